@@ -272,8 +272,10 @@ def rigid_differences_mm(result: WheelsetResult) -> tuple[Floats, float]:
     rigid, one = equilibrium.reached(), result.equilibrium.position
     other, points = rigid.motion, []
     for contact in rigid.contacts:
-        own = [patch.rail_point_mm for patch in result.patches if patch.side == contact.side]
-        points.append(min((float(np.hypot(*(p - np.array(contact.rail_point_mm)))) for p in own), default=np.inf))
+        rail_points = [patch.rail_point_mm for patch in result.patches if patch.side == contact.side]
+        points.append(
+            min((float(np.hypot(*(p - np.array(contact.rail_point_mm)))) for p in rail_points), default=np.inf)
+        )
     differences = (
         one.lateral_mm - other.lateral_mm,
         one.vertical_mm - other.vertical_mm,

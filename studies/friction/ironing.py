@@ -80,15 +80,15 @@ def ironing_rows(solved: Solved) -> Iterator[Row]:
             for case in computed
         )
         computed_forces = [float(np.interp(time, times, force)) for force in computed.values()]
-        for quantity, unit, theirs, value in (
+        for quantity, unit, reference, value in (
             ("normal force", "N/mm", normal, computed_forces[0]),
             ("tangential force", "N/mm", tangential, computed_forces[1]),
             ("tangential over normal force", "1", tangential / normal, computed_forces[1] / computed_forces[0]),
         ):
-            least, most = theirs.min(), theirs.max()
+            least, most = reference.min(), reference.max()
             limit = None if unit == "1" and time < 1.0 else Limit("among the five", least <= value <= most)
             code = f"time {time:g}, mean of {least:.3g} to {most:.3g}"
-            yield Row("Ironing", code, quantity, unit, value, theirs.mean(), limit)
+            yield Row("Ironing", code, quantity, unit, value, reference.mean(), limit)
     steady = (times > STEADY[0] + 1e-9) & (times < STEADY[1] + 1e-9)
     force = computed["tangential"]
     along, means = np.diff(times, prepend=0.0) * ALONG_MM, (force + np.roll(force, 1)) / 2.0

@@ -195,13 +195,13 @@ class _Run:
 
     def go(self, workers: Workers[Chunk, Outcome]) -> None:
         """Have all chunks computed and stored; of one that its worker dies of the rows alone, and such a row fails."""
-        own = versions()["flangeway"]
+        version = versions()["flangeway"]
         for chunk, outcome in computed(workers, self.chunks):
             if isinstance(outcome, Outcome):
-                if outcome.version != own:
+                if outcome.version != version:
                     raise InputError(
                         f"a worker with flangeway {outcome.version}",
-                        f"workers with flangeway {own}, as here",
+                        f"workers with flangeway {version}, as here",
                         "install the same version on all machines, and start the workers again",
                     )
                 self._keep(chunk.rows, outcome.results)

@@ -417,11 +417,11 @@ def results(database: str | Path) -> CampaignTable:
 
 def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
     """Columns in an order that does not depend on the order in which rows were done."""
-    own = [name for name in OWN_COLUMNS if name != "identity"]
+    own_names = [name for name in OWN_COLUMNS if name != "identity"]
     others = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
     if f"{SIDES[0]}_n_patches" not in names:  # those of wheelsets are in their order already
         others.sort()
-    return [*own[:2], *keys, *(columns or others), *own[2:]]
+    return [*own_names[:2], *keys, *(columns or others), *own_names[2:]]
 
 
 def _refuse_broken(columns: Columns) -> None:

@@ -76,8 +76,8 @@ class GeometryCase(WheelsetInputs):
 
 def _main_inputs() -> dict[str, Any]:
     """Inputs of the wheelset in three dimensions where they are not the defaults here."""
-    own, main = GeometryCase.model_fields, SpatialWheelsetCase.model_fields
-    shared = [key for key in WheelsetInputs.model_fields if main[key].default != own[key].default]
+    of_geometry, main = GeometryCase.model_fields, SpatialWheelsetCase.model_fields
+    shared = [key for key in WheelsetInputs.model_fields if main[key].default != of_geometry[key].default]
     return {key: main[key].default for key in shared}
 
 
@@ -130,8 +130,8 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
             "`flangeway run` computes the other cases",
         )
     kind = SpatialWheelsetCase if name == SpatialWheelsetCase.name else WheelsetCase
-    own, known = GeometryCase.model_fields, kind.model_fields
-    unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in own]
+    of_geometry, known = GeometryCase.model_fields, kind.model_fields
+    unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in of_geometry]
     used = {key: value for key, value in given.items() if key not in unused}
     base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
     case = GeometryCase.from_values(

@@ -370,8 +370,8 @@ class SpatialPreset(PresetCase):
 
     def general(self) -> SpatialCase:
         """See `PresetCase.general`."""
-        own = self.model_dump(include={"young_MPa", "poisson", "method", "order"})
-        return SpatialCase.from_values({"force_kN": self.force_kN, "bodies": [body | own for body in self.bodies()]})
+        shared = self.model_dump(include={"young_MPa", "poisson", "method", "order"})
+        return SpatialCase.from_values({"force_kN": self.force_kN, "bodies": [body | shared for body in self.bodies()]})
 
     @abstractmethod
     def bodies(self) -> list[dict[str, Any]]:

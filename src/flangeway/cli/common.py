@@ -316,7 +316,7 @@ SHOWN = {
 def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
     """Add the options of `SHOWN` to a command, which gets them as ``show``, and make its result the exit status."""
     signature = inspect.signature(command)
-    own = [parameter for parameter in signature.parameters.values() if parameter.name != "show"]
+    parameters = [parameter for parameter in signature.parameters.values() if parameter.name != "show"]
     more = [
         inspect.Parameter(
             name, inspect.Parameter.KEYWORD_ONLY, default=None if kind is Units else False, annotation=kind
@@ -333,8 +333,8 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
             show = Show(**shown | {"units": units_given(shown["units"])})
             raise typer.Exit(DONE if command(**given, show=show) else FAILED)
 
-    wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]
-    wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in [*own, *more]}
+    wrapped.__signature__ = signature.replace(parameters=[*parameters, *more], return_annotation=None)  # type: ignore[attr-defined]
+    wrapped.__annotations__ = {parameter.name: parameter.annotation for parameter in [*parameters, *more]}
     return wrapped
 
 

@@ -130,8 +130,8 @@ def _repeated(
     """
     n = int(contact_nodes[1].max()) + 1
     met = _end_at(contact_nodes[1], secondary.primary_edges, secondary.parameters)
-    own = _end_at(contact_nodes[0], faced, parameters)
-    return (own >= 0) & np.isin(own * n + nodes, (secondary.nodes * n + met)[met >= 0])
+    secondary_ends = _end_at(contact_nodes[0], faced, parameters)
+    return (secondary_ends >= 0) & np.isin(secondary_ends * n + nodes, (secondary.nodes * n + met)[met >= 0])
 
 
 def _end_at(contact_nodes: Ints, edges: Ints, parameters: Floats) -> Ints:
@@ -234,12 +234,12 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
-        own = np.full(counts[side], np.inf)
+        secondary_depths = np.full(counts[side], np.inf)
         for column in places.T:
-            np.minimum.at(own, column, sagittas[side])
+            np.minimum.at(secondary_depths, column, sagittas[side])
 
-        def allowed(nodes: Ints, partners: Ints, own: Floats = own, other: int = other) -> Floats:
-            return GUARDED_DEPTH * (own[nodes] + sagittas[other][partners]) + explained
+        def allowed(nodes: Ints, partners: Ints, depths: Floats = secondary_depths, other: int = other) -> Floats:
+            return GUARDED_DEPTH * (depths[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
         nodes, _, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)
@@ -271,10 +271,10 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
     for side, other in ((0, 1), (1, 0)):
         ends = surfaces[other].edge_places[:, [0, -1]]
         joints = np.flatnonzero(_sharp(surfaces[other])[ends[:, 1]])
-        own = np.flatnonzero(_sharp(surfaces[side]))
-        if len(own) == 0 or len(joints) == 0:
+        corners = np.flatnonzero(_sharp(surfaces[side]))
+        if len(corners) == 0 or len(joints) == 0:
             continue
-        pair = own.repeat(len(joints)), np.tile(joints, len(own))
+        pair = corners.repeat(len(joints)), np.tile(joints, len(corners))
         edges = positions[other][ends]
         into, out = edges[pair[1]], edges[(pair[1] + 1) % len(edges)]
         depths = -np.stack([node_edge_gaps(positions[side][pair[0]], edge).gaps for edge in (into, out)])

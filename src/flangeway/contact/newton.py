@@ -517,8 +517,8 @@ class _Run:
         if self.slides is not None and not n and not barriers[:, 0].any() and len(rows) > MAX_DENSE_EQUATIONS:
             solver = self.response.constrained(self.rotations, current.nodes, geometric, constrained)
         if solver is not None:
-            solved, own = solver
-            laws = active_set.Laws(coefficients, barriers, own)
+            solved, diagonal = solver
+            laws = active_set.Laws(coefficients, barriers, diagonal)
             answer = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
             if answer is None:
                 return None
@@ -532,8 +532,8 @@ class _Run:
             problem = self._problem_again(before, constrained, guess)
         matrix, offset, rigid = problem.matrix, problem.offset, problem.rigid
         sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
-        own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-        laws = active_set.Laws(coefficients, barriers, own)
+        diagonal = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+        laws = active_set.Laws(coefficients, barriers, diagonal)
         answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
         if answer is None:
             return None
@@ -568,7 +568,7 @@ class _Run:
             if before is None:
                 geometric = geometric + slides.curvature(-self.tangential)
             directions, jacobian = (
-                sp.csr_array(sp.vstack((jacobian, own))) for own in (slides.directions, slides.jacobian)
+                sp.csr_array(sp.vstack((jacobian, of_slips))) for of_slips in (slides.directions, slides.jacobian)
             )
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))

@@ -124,8 +124,8 @@ def node_terms(
         column[contact_nodes[:, number]] = number
     secondary_edges, primary_edges = (owner[nodes], faced)[:: 1 - 2 * side]
     n_secondary, n_faced = edges[0].shape[1], edges[1 - side].shape[1]
-    its = np.arange(n_faced) + (1 - side) * n_secondary
-    slots = np.column_stack((column[nodes] + side * n_secondary, np.tile(its, (len(nodes), 1))))
+    columns = np.arange(n_faced) + (1 - side) * n_secondary
+    slots = np.column_stack((column[nodes] + side * n_secondary, np.tile(columns, (len(nodes), 1))))
     points = np.concatenate((edges[0][secondary_edges], edges[1][primary_edges]), axis=1)
     return points, slots, secondary_edges, primary_edges
 
@@ -163,7 +163,9 @@ class NodeToSegment(Pairing):
         contact_nodes = secondary.contact_places
         given = positions[: len(secondary.nodes)], secondary.edge_places, primary_edges, kept
         nodes, faced, gaps = self.find(*given, primary.corners, settle=settle)
-        points, slots, own, _ = node_terms(contact_nodes, (positions[contact_nodes], primary_edges), nodes, faced)
+        points, slots, secondary_edges, _ = node_terms(
+            contact_nodes, (positions[contact_nodes], primary_edges), nodes, faced
+        )
         areas, rows = self.node_areas(secondary)[nodes], np.arange(len(nodes))[:, None]
         return NodePairs(
             nodes,
@@ -172,7 +174,7 @@ class NodeToSegment(Pairing):
             gaps.gaps,
             areas,
             areas,
-            contact_nodes[own],
+            contact_nodes[secondary_edges],
             faced,
             rows,
             points,
@@ -232,10 +234,10 @@ def facing_pairs(
         near &= gaps.gaps < -explained(nodes, partners)
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
-    own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
-    sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
+    secondary_edges, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
+    sizes = np.where(on, np.linalg.norm(secondary_edges[:, -1] - secondary_edges[:, 0], axis=1), 0.0).max(axis=1)
     faced = partners[behind, None] == np.arange(len(edges))
-    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, faced))
+    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (secondary_edges, on), (edges, faced))
     return nodes[near], partners[near], gaps.take(near)
 
 
@@ -372,11 +374,11 @@ class NodeToNode(Pairing):
         longest = np.zeros(len(secondary.nodes))
         for column in secondary.edge_places.T:
             np.maximum.at(longest, column, secondary.edge_lengths)
-        points, slots, own, _ = node_terms(
+        points, slots, secondary_edges, _ = node_terms(
             contact_nodes, (positions[contact_nodes], primary_edges), matching.nodes, matching.edges
         )
         parameters = gauss_lobatto(primary_edges.shape[1])[0][matching.columns]
-        members, rows = contact_nodes[own], np.arange(len(gaps))
+        members, rows = contact_nodes[secondary_edges], np.arange(len(gaps))
         return MatchedPairs(
             matching.nodes, matching.edges, matching.nodes, gaps, areas, whole, members, matching.edges, rows[:, None],
             points, slots, parameters, normals, slots[rows, 1 + matching.columns],
@@ -433,7 +435,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
             "boundaries whose nodes are opposite each other before the deformation",
             "give both meshes each other's nodes by flangeway.mesh.match_boundaries, or take SegmentToSegment",
         )
-    nodes_of_edges, theirs = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
+    nodes_of_edges, opposite_nodes = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
     width = nodes_of_edges.shape[1]
     lengths = np.zeros(len(points[0]))
     np.add.at(lengths, nodes_of_edges, secondary.edge_shares[paired])
@@ -443,7 +445,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
         side.part.placement.points(side.part.body.nodes[side.nodes] + side.shifts) for side in (secondary, primary)
     ]
     normals = [_normals(*pair) for pair in zip(shifted, (secondary, primary), strict=True)]
-    mean = normals[1][theirs.ravel()[first]] - normals[0][nodes]
+    mean = normals[1][opposite_nodes.ravel()[first]] - normals[0][nodes]
     at_edge = at_edge.astype(np.int64)
     column = column if primary.bends is None else 2 * column  # the middles of edges with bends are between
     return MatchingNodes(nodes, at_edge, column, lengths[nodes], mean / np.hypot(*mean.T)[:, None])

@@ -150,9 +150,11 @@ class ContactSolution(Result):
         tangential = np.zeros(len(state.forces)) if state.friction is None else state.friction.forces
         result = np.zeros((len(self.system.contacts), 2, 3))
         for number, solved in enumerate(self.system.solved(state.linearisation, state.forces)):
-            own = np.zeros(len(state.forces))
-            own[solved.inside] = 1.0
-            forces = nodal_forces_of(state.linearisation, own * state.forces, slides, own * tangential, len(at))
+            forces_of_contact = np.zeros(len(state.forces))
+            forces_of_contact[solved.inside] = 1.0
+            forces = nodal_forces_of(
+                state.linearisation, forces_of_contact * state.forces, slides, forces_of_contact * tangential, len(at)
+            )
             for side, surface in enumerate(solved.contact.sides):
                 nodes = self.system.nodes_of(surface)
                 result[number, side, :2] = forces[nodes].sum(axis=0)
@@ -338,13 +340,13 @@ def press(
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
             growth = min(number + share, 1.0)
-            own = handles_at(placements, growth)
+            handles = handles_at(placements, growth)
             loaded = bodies.loaded(displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
-                loaded, system, placements, handles=own, start=start, settings=settings, origin=origin
+                loaded, system, placements, handles=handles, start=start, settings=settings, origin=origin
             )
             # where contacts decide the place of a part, a solution in which it overlaps is on a branch of its own
-            if state.status.converged and any(own) and (errors := _errors_of_step(system, loaded, start, state)):
+            if state.status.converged and any(handles) and (errors := _errors_of_step(system, loaded, start, state)):
                 status = replace(state.status, converged=False, message=f"not converged: {'; '.join(errors)}")
                 state = replace(state, status=status)
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
@@ -653,10 +655,10 @@ def press_nonlinear(
         now, loads = {}, {}
         for part, body in bodies.items():
             tangents, forces = body.linearised(states[part], fields[part])
-            own = {
+            settings = {
                 name: getattr(part.body, name) for name in ("name", "mesh", "element", "held", "thickness", "springs")
             }
-            linear = LinearisedBody(material=body.problem.material, **own, tangents=tangents)
+            linear = LinearisedBody(material=body.problem.material, **settings, tangents=tangents)
             now[part] = replace(part, body=linear)
             offset = linear.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
             if offset.any():

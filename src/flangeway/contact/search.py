@@ -128,7 +128,7 @@ def leads_out(
     points: Floats,
     vectors: Floats,
     sizes: Floats,
-    own: tuple[Floats, NDArray[np.bool_]],
+    surface: tuple[Floats, NDArray[np.bool_]],
     other: tuple[Floats, NDArray[np.bool_]],
 ) -> NDArray[np.bool_]:
     """Whether points of a surface lie behind edges of another one that they did not enter through.
@@ -144,21 +144,23 @@ def leads_out(
         Points of the surface, and the vectors from them to the edges that they face, each (n, 2).
     sizes
         Length of the surface at each point, shape (n,).
-    own, other
+    surface, other
         Positions of the edges' nodes of the point's and of the other surface, shape (n_edges, order + 1, 2), and which
         of them each point is on or faces, shape (n, n_edges).
 
     """
     depths = np.linalg.norm(vectors, axis=1)
     result = np.zeros(len(points), dtype=np.bool_)
-    far = np.flatnonzero(depths > ZERO_DEPTH * float(np.linalg.norm(own[0][:, -1] - own[0][:, 0], axis=1).max()))
+    far = np.flatnonzero(
+        depths > ZERO_DEPTH * float(np.linalg.norm(surface[0][:, -1] - surface[0][:, 0], axis=1).max())
+    )
     if len(far) == 0:
         return result
     ways = np.stack((points[far], points[far] + vectors[far]), axis=1)
     through, nearer = np.zeros(len(far), dtype=np.bool_), np.zeros(len(far), dtype=np.bool_)
-    of, edges = candidate_pairs(ways, own[0][:, [0, -1]], depths[far] / OTHER_EDGE)
-    on = own[1][far[of], edges]
-    outwards, _, apart = _crossed(ways[of], own[0][edges])
+    of, edges = candidate_pairs(ways, surface[0][:, [0, -1]], depths[far] / OTHER_EDGE)
+    on = surface[1][far[of], edges]
+    outwards, _, apart = _crossed(ways[of], surface[0][edges])
     through[of[outwards & ~on]] = True
     nearer[of[~on & (OTHER_EDGE * apart < depths[far[of]])]] = True
     of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)

@@ -97,11 +97,11 @@ def find_pieces(
 
     """
     edges, partners = _over_chords(secondary, primary, candidates)
-    own, other = secondary[edges], primary[partners]
-    high, low = (closest_parameters(other[:, end], own) for end in (0, -1))
+    secondary_edges, other = secondary[edges], primary[partners]
+    high, low = (closest_parameters(other[:, end], secondary_edges) for end in (0, -1))
     starts, stops = np.where(low > SNAP, low, 0.0), np.where(high < 1.0 - SNAP, high, 1.0)
     pieces = Pieces(edges, partners, starts, stops)
-    distance = _distances(own, other, (starts + stops) / 2.0)
+    distance = _distances(secondary_edges, other, (starts + stops) / 2.0)
     return pieces.take(np.flatnonzero((stops - starts > SNAP) & (distance < reach) & (distance > -depth)))
 
 
@@ -190,16 +190,18 @@ class PieceIntegrals:
         nodes = Taylor.of_points(points - points[:, :1], second=second)
         nodes = Taylor(nodes.value, nodes.first[2:], nodes.second)
         n_nodes, n_own, pieces = nodes.value.shape[1], self.secondary.shape[1], self.pieces
-        own, other = taylor_series(nodes, 0, n_own), taylor_series(nodes, n_own, n_nodes)
+        secondary_series, other = taylor_series(nodes, 0, n_own), taylor_series(nodes, n_own, n_nodes)
         units = np.eye(n_nodes)
         # the primary runs against the secondary
-        start = foot(own, nodes.weighted(units[-1]), pieces.starts, pieces.starts > 0.0)
-        end = foot(own, nodes.weighted(units[n_own]), pieces.ends, pieces.ends < 1.0)
-        own, other = ([coefficient[:, None] for coefficient in series] for series in (own, other))
+        start = foot(secondary_series, nodes.weighted(units[-1]), pieces.starts, pieces.starts > 0.0)
+        end = foot(secondary_series, nodes.weighted(units[n_own]), pieces.ends, pieces.ends < 1.0)
+        secondary_series, other = (
+            [coefficient[:, None] for coefficient in series] for series in (secondary_series, other)
+        )
         parts, weights = gauss(max(self._orders) + 1)
         width = (end - start)[:, None]
         xi = width * parts + start[:, None]
-        point, slope = horner(own, xi), horner(derivative(own), xi)
+        point, slope = horner(secondary_series, xi), horner(derivative(secondary_series), xi)
         values = [coefficient.value for coefficient in other]
         eta = ray_parameters(values, point.value, slope.value)
         rate = (np.conj(slope.value) * horner(derivative(values), eta)).real
@@ -248,9 +250,9 @@ class PieceIntegrals:
 
         With the hats (p, 2); their derivatives, and unit tangential forces, each (p, 2, d).
         """
-        own, other = ([series[:, None] for series in edge_series(edges)] for edges in (secondary, primary))
-        at, slope = self._at, horner(derivative(own), self._at.xi)
-        slips = dot(slope, horner(own, at.xi) - horner(other, at.eta)) / slope.abs
+        secondary_series, other = ([series[:, None] for series in edge_series(edges)] for edges in (secondary, primary))
+        at, slope = self._at, horner(derivative(secondary_series), self._at.xi)
+        slips = dot(slope, horner(secondary_series, at.xi) - horner(other, at.eta)) / slope.abs
         directions = np.concatenate([direction.value for direction in self._directions], axis=-1)
         return *self._integral(slips), _components(at.hat_values @ directions)
 
@@ -261,8 +263,8 @@ class PieceIntegrals:
         They are the derivatives of the rate of slip by the nodes' velocities at fixed points of the secondary,
         ``t . (y_dot - x_dot) + g n . x_dot' / |x'|``.
         """
-        at, (own, other) = self._at, self._orders
-        shapes, slopes, bends = shape_functions(own, at.xi.value)
+        at, (secondary_order, other) = self._at, self._orders
+        shapes, slopes, bends = shape_functions(secondary_order, at.xi.value)
         onto, moving, _ = shape_functions(other, at.eta.value)
         xi, eta, tangent = (values[:, :, None] for values in (at.xi, at.eta, at.tangent))
         turning = (at.gap / at.length * at.tangent * -1.0j)[:, :, None]
@@ -295,8 +297,8 @@ def _components(vectors: Array) -> Floats:
 
 def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     """Distances along the secondary's normal from its points at parameters ``xi`` (p,) to the primary edges."""
-    own, other = edge_series(secondary), edge_series(primary)
-    at, tangent = horner(own, xi), horner(derivative(own), xi)
+    secondary_series, other = edge_series(secondary), edge_series(primary)
+    at, tangent = horner(secondary_series, xi), horner(derivative(secondary_series), xi)
     apart = horner(other, ray_parameters(other, at, tangent)) - at
     return -(np.conj(tangent) * apart).imag / np.abs(tangent)
 
@@ -517,7 +519,7 @@ def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Boo
     result = np.zeros(len(pieces), dtype=np.bool_)
     behind = np.flatnonzero(cross_product(along, way) > 0.0)
     sizes = (pieces.ends - pieces.starts) * np.linalg.norm(along, axis=1)
-    own = edges, pieces.edges[behind, None] == np.arange(len(edges))
-    its = primary_edges, pieces.partners[behind, None] == np.arange(len(primary_edges))
-    result[behind] = leads_out(at[behind], way[behind], sizes[behind], own, its)
+    secondary_edges = edges, pieces.edges[behind, None] == np.arange(len(edges))
+    faced_edges = primary_edges, pieces.partners[behind, None] == np.arange(len(primary_edges))
+    result[behind] = leads_out(at[behind], way[behind], sizes[behind], secondary_edges, faced_edges)
     return result

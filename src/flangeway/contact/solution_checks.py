@@ -126,8 +126,10 @@ class Boundary:
         if not points:
             return None
         at = np.concatenate(points)
-        (own_depths, own), (theirs, its) = self.nearest(at), other.nearest(at)
-        return _deepest(at, np.maximum(own_depths, theirs), self.sagittas[own] + other.sagittas[its])
+        (own_depths, own_edges), (other_depths, other_edges) = self.nearest(at), other.nearest(at)
+        return _deepest(
+            at, np.maximum(own_depths, other_depths), self.sagittas[own_edges] + other.sagittas[other_edges]
+        )
 
     def overlap_with_itself(self, apart: float) -> Intrusion | None:
         """Point of this boundary in the body's other side with the maximum depth, seen from ``apart`` outside of it.
@@ -476,7 +478,7 @@ def _unbalanced(
         force = float(np.linalg.norm(total))
         moment = abs(float(cross_product(at - at.mean(axis=0), forces).sum()))
     for handle in dict.fromkeys(handle for _, handle in given if handle is not None):
-        numbers = [number for number, (_, own) in enumerate(given) if own is handle]
+        numbers = [number for number, (_, handle_of_force) in enumerate(given) if handle_of_force is handle]
         motion = state.placements[numbers[0]].after(given[numbers[0]][0].inverse())
         pivot = motion.points([handle.pivot])[0]
         point = handle.pivot if handle.load_point is None else handle.load_point

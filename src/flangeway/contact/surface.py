@@ -390,14 +390,14 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent
     # the last edge of a chain is treated as one on the curve of the turn before
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
     lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
-    own = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, limit)
+    depths = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, limit)
     chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
     inner = deformed[:, 1:-1] - deformed[:, :1]
     bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
-    own += np.minimum(np.maximum(lengths / 8.0 * (added + added_before), bulge), bent)
-    result = own.copy()
-    np.maximum.at(result, following[meets], own[meets])
-    result[meets] = np.maximum(result[meets], own[following[meets]])
+    depths += np.minimum(np.maximum(lengths / 8.0 * (added + added_before), bulge), bent)
+    result = depths.copy()
+    np.maximum.at(result, following[meets], depths[meets])
+    result[meets] = np.maximum(result[meets], depths[following[meets]])
     return result
 
 

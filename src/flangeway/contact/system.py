@@ -265,10 +265,10 @@ class ContactLinearisation:
         """Sum of ``force * second derivative`` by a function of each part, which has those of its terms."""
         rows, columns, values = [], [], []
         for number, second in enumerate(seconds):
-            own = forces[self.starts[number] : self.starts[number + 1]]
-            if not own.any():
+            part_forces = forces[self.starts[number] : self.starts[number + 1]]
+            if not part_forces.any():
                 continue
-            loaded, matrix = second(own)
+            loaded, matrix = second(part_forces)
             dofs = components_of(self.term_points[number][loaded]).reshape(len(loaded), -1)
             rows.append(np.broadcast_to(dofs[:, :, None], matrix.shape).ravel())
             columns.append(np.broadcast_to(dofs[:, None, :], matrix.shape).ravel())
@@ -472,7 +472,10 @@ class ContactSystem:
         """
         if not any(mask.any() for sides in lin.guarded_nodes for mask in sides):
             return lin
-        kept = [corners_under_force(pairs, contact.sides, own) for contact, pairs, _, own in self.solved(lin, forces)]
+        kept = [
+            corners_under_force(pairs, contact.sides, part_forces)
+            for contact, pairs, _, part_forces in self.solved(lin, forces)
+        ]
         return self._with(kept, positions, lin, settle=False)
 
     def guarded(

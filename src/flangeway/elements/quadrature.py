@@ -78,9 +78,9 @@ def edge_unknowns(order: int, n_vertices: int) -> Ints:
 def edge_shapes(order: int, parameters: Floats) -> Floats:
     """Lagrange's polynomials of the Gauss-Lobatto points at places (n,) in [0, 1], shape (n, order + 1)."""
     nodes = gauss_lobatto(order + 1)[0]
-    own = np.eye(order + 1, dtype=bool)
-    apart = np.where(own, 1.0, nodes[:, None] - nodes)
-    factors = np.where(own, 1.0, (parameters[:, None, None] - nodes) / apart)
+    diagonal = np.eye(order + 1, dtype=bool)
+    apart = np.where(diagonal, 1.0, nodes[:, None] - nodes)
+    factors = np.where(diagonal, 1.0, (parameters[:, None, None] - nodes) / apart)
     return factors.prod(axis=2)
 
 

@@ -100,8 +100,8 @@ class Field:
 
     def on(self, batch: CellBatch, points: Floats) -> PointValues:
         """Values at points (n_points, 2, n_cells) of cells, points of one number in all cells after each other."""
-        own = self.space.batch_like(batch)
-        jets = evaluated(local_functions(own, points), self.dofs.reshape(len(self.dofs), -1)[own.dofs])
+        same_batch = self.space.batch_like(batch)
+        jets = evaluated(local_functions(same_batch, points), self.dofs.reshape(len(self.dofs), -1)[same_batch.dofs])
         return _point_values(jets.reshape(JETS, -1, jets.shape[-1]), self.dofs.ndim == 1)
 
     def along(self, pairs: Indices, n_points: int) -> PointValues:
@@ -144,14 +144,16 @@ def local_functions(batch: CellBatch, points: Floats) -> Functions:
 
 def evaluated(functions: Functions, dofs: Values) -> Values:
     """Sums of local functions times unknowns (n, e, c), shape (number of jets, q, e, c)."""
-    return np.array([np.einsum("pqe,pec->qec", at, np.einsum("pne,nec->pec", own, dofs)) for at, own in functions])
+    return np.array(
+        [np.einsum("pqe,pec->qec", at, np.einsum("pne,nec->pec", shapes, dofs)) for at, shapes in functions]
+    )
 
 
 def integrals(functions: Functions, fields: Values) -> Values:
     """Sums over points of fields (number of jets, q, e), times weights, times local functions, (n, e)."""
     parts = zip(functions, fields, strict=True)
     return np.asarray(
-        sum(np.einsum("pne,pe->ne", own, np.einsum("pqe,qe->pe", at, field)) for (at, own), field in parts)
+        sum(np.einsum("pne,pe->ne", shapes, np.einsum("pqe,qe->pe", at, field)) for (at, shapes), field in parts)
     )
 
 
@@ -374,8 +376,10 @@ def assembled_form(
             stresses = np.einsum("xyqe,yqe->xqe", weighted[i, :, j, 1:], slopes)
             np.add.at(forces, (test_dofs, i), np.abs(integrals(tests, stresses)))
         if test is trial and batch is not None and weighted[:, 0, :, 0].any():
-            own = batch.reconstruction
-            np.maximum.at(least, dofs, products_round_off(own, value_products(own), constant)[..., None])
+            reconstruction = batch.reconstruction
+            np.maximum.at(
+                least, dofs, products_round_off(reconstruction, value_products(reconstruction), constant)[..., None]
+            )
         if stabilise:
             added = np.zeros_like(local)
             _add_stabilisation(added, weighted, functions, batch)

@@ -156,13 +156,13 @@ def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
     means within the length of the boundary edges there.
     """
     rim = np.unique(mesh.boundary_edges)
-    points, own = mesh.points.copy(), mesh.points[rim]
+    points, rim_points = mesh.points.copy(), mesh.points[rim]
     nearest = MAX_CURVE_DISTANCE * shortest_edges(mesh.points, mesh.boundary_edges)[rim]
     for segment in _segments(curves):
-        parameter, distance = segment.closest(own)
+        parameter, distance = segment.closest(rim_points)
         nearer = distance < nearest
         nearest[nearer] = distance[nearer]
-        points[rim[nearer]] = own[nearer]
+        points[rim[nearer]] = rim_points[nearer]
         inside = nearer & (parameter > 1e-9) & (parameter < 1.0 - 1e-9)
         if not isinstance(segment, Line):
             points[rim[inside]] = segment.point(parameter[inside])

@@ -198,15 +198,15 @@ def match_boundaries(one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: 
             "place the meshes where the bodies are before the deformation, and check the edges",
         )
     same = [np.zeros(mesh.n_points, dtype=bool) for mesh, _ in sides]  # nodes that have an opposite node
-    for side, its in enumerate(onto):
-        near = its.away <= MERGE
-        same[side][its.nearest[near]] = True
-        same[1 - side][its.points[near]] = True
+    for side, onto_edges in enumerate(onto):
+        near = onto_edges.away <= MERGE
+        same[side][onto_edges.nearest[near]] = True
+        same[1 - side][onto_edges.points[near]] = True
     matched = []
-    for side, its in enumerate(onto):
-        new = ~same[1 - side][its.points]
+    for side, onto_edges in enumerate(onto):
+        new = ~same[1 - side][onto_edges.points]
         mesh, rows = sides[side]
-        matched.append(divided(mesh, rows[its.edges[new]], its.places[new]))
+        matched.append(divided(mesh, rows[onto_edges.edges[new]], onto_edges.places[new]))
     return matched[0], matched[1]
 
 

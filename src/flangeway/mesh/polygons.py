@@ -107,10 +107,10 @@ class _Joining:
         row = row[starts[0] :] + row[: starts[0]]
         first, last = row[0], row[sum(shared)]
         row = row[sum(shared) :]  # from the last shared point to the point before the first
-        theirs = self.rows[other]
-        index = theirs.index(first)
-        theirs = theirs[index:] + theirs[:index]
-        return [*row, *theirs[: theirs.index(last)]]
+        other_row = self.rows[other]
+        index = other_row.index(first)
+        other_row = other_row[index:] + other_row[:index]
+        return [*row, *other_row[: other_row.index(last)]]
 
     def best_neighbour(self, cell: int) -> int | None:
         """Neighbour with which it has the least perimeter for the root of its area."""

@@ -199,14 +199,16 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
     """Pressures and gaps along the secondary surfaces of all contacts."""
     patches, of_contacts = pressure_patches(system, state), []
     for number, (contact, pairs, inside, _) in enumerate(system.solved(state.linearisation, state.forces)):
-        surface, own = contact.secondary, ~pairs.guarded
+        surface, unguarded = contact.secondary, ~pairs.guarded
         nodes = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
         n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
         for patch in patches:
             if patch.contact == number:
                 np.maximum.at(pressures, patch.nodes, patch.pressures)
         with np.errstate(invalid="ignore"):
-            gaps = np.bincount(pairs.nodes[own], pairs.gaps[own], n) / np.bincount(pairs.nodes[own], minlength=n)
+            gaps = np.bincount(pairs.nodes[unguarded], pairs.gaps[unguarded], n) / np.bincount(
+                pairs.nodes[unguarded], minlength=n
+            )
         lines = np.column_stack((np.arange(len(nodes)), np.roll(np.arange(len(nodes)), -1)))
         closed = surface.edge_places[-1, -1] == 0
         of_contacts.append(
@@ -504,10 +506,10 @@ def _cut(contact: Contact, pairs: Constraints, loaded: Ints) -> list[Surface]:
 def _goes_on(surface: Surface, *, forwards: bool) -> bool:
     """Whether the boundary has a further edge beyond an end, hardly turned against the last one."""
     body = surface.part.body
-    own = surface.edges[-1 if forwards else 0]
+    last_edge = surface.edges[-1 if forwards else 0]
     outer = body.boundary_edges
-    beyond = outer[outer[:, 0] == own[1]] if forwards else outer[outer[:, 1] == own[0]]
+    beyond = outer[outer[:, 0] == last_edge[1]] if forwards else outer[outer[:, 1] == last_edge[0]]
     if len(beyond) != 1 or (surface.edges == beyond[0]).all(axis=1).any():
         return False
-    (ax, ay), (bx, by) = (body.nodes[edge[1]] - body.nodes[edge[0]] for edge in (own, beyond[0]))
+    (ax, ay), (bx, by) = (body.nodes[edge[1]] - body.nodes[edge[0]] for edge in (last_edge, beyond[0]))
     return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < MAX_TURN)

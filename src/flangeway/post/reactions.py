@@ -63,9 +63,9 @@ def _add_rows(solution: ElasticitySolution, forces: Floats, moments: Floats) -> 
     strain = np.einsum("gij,gj->gi", inverse, on_groups[groups] / scale)
     parts = np.einsum("ni,ni->n", scaled, strain[group_rows])[:, None] * rows.directions
     turning = np.where(rows.nodes < 0, parts[:, 2], 0.0)  # of a node its arm from the pivot is not a support's own
-    own = rows.supports >= 0  # the axis of revolution carries its own
-    np.add.at(forces, rows.supports[own], parts[own, :2])
-    np.add.at(moments, rows.supports[own], (cross_product(points, parts[:, :2]) + turning)[own])
+    supported = rows.supports >= 0  # the axis of revolution carries its own
+    np.add.at(forces, rows.supports[supported], parts[supported, :2])
+    np.add.at(moments, rows.supports[supported], (cross_product(points, parts[:, :2]) + turning)[supported])
 
 
 def nodal_residual(field: ElasticField, forces: Floats) -> Floats:

@@ -56,8 +56,8 @@ class LinearisedBody(Body):
     def elasticity(self) -> Linearised:
         """See `Body.elasticity`."""
         space = Space(self.mesh, self.element)
-        own = {"supports": self.springs, "name": self.name, "tangents": self.tangents}
-        return Linearised(space, self.material, self.thickness, **own)  # type: ignore[arg-type]
+        settings = {"supports": self.springs, "name": self.name, "tangents": self.tangents}
+        return Linearised(space, self.material, self.thickness, **settings)  # type: ignore[arg-type]
 
     @property
     def content(self) -> tuple[object, ...]:
@@ -173,8 +173,8 @@ class NonlinearBody:
         stress, tangent, after = np.empty_like(gradient), np.empty((len(gradient), 2, 2, 2, 2)), history.copy()
         for number, material in enumerate(self.materials):
             rows = np.flatnonzero(part.numbers == number)
-            own = material.respond(gradient[rows], history[rows, : material.n_history])
-            stress[rows], tangent[rows], after[rows, : material.n_history] = own
+            response = material.respond(gradient[rows], history[rows, : material.n_history])
+            stress[rows], tangent[rows], after[rows, : material.n_history] = response
         return stress, tangent, after
 
     def _consistency(self, part: _Points, tangent: Floats) -> Floats:
@@ -214,15 +214,15 @@ class NonlinearBody:
         for number, (part, history) in enumerate(zip(self._points, state.history, strict=True)):
             stress, tangent, _ = self._response(part, displacements, history)
             weighted = stress.reshape(*part.weights.shape, 2, 2) * part.weights[..., None, None]
-            own = np.einsum("xqme,qeix->mie", part.slopes, weighted, optimize=True)
-            own += self._missed(number, state, displacements)
+            block = np.einsum("xqme,qeix->mie", part.slopes, weighted, optimize=True)
+            block += self._missed(number, state, displacements)
             matrix = self._consistency(part, tangent)
             added = state.stabilisation[number]
             if added is not None:
                 matrix[:, 0, :, 0] += added
                 matrix[:, 1, :, 1] += added
-            np.add.at(forces, part.batch.dofs, depth * own.swapaxes(1, 2))
-            n = 2 * len(own)
+            np.add.at(forces, part.batch.dofs, depth * block.swapaxes(1, 2))
+            n = 2 * len(block)
             tangents[int(part.batch.cells[0])] = depth * matrix.reshape(n, n, -1)
         return tangents, forces
 

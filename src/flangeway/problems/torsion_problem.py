@@ -154,9 +154,9 @@ class Torsion:
         jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
         edges = np.flatnonzero(jumps)
         nodes = space.edge_nodes(mesh.edges[edges])
-        own = space.nodes[nodes] - self.centre
+        arms = space.nodes[nodes] - self.centre
         weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
-        along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
+        along = np.einsum("eqx,eqx->eq", shapes @ arms, slopes @ arms)
         local = jumps[edges, None] * ((along * weights) @ shapes)
         return floats(np.bincount(nodes.ravel(), local.ravel(), minlength=space.n_dofs))
 

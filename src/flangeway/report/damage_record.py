@@ -105,7 +105,7 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
 
     - `distance`: unit of the position.
     """
-    own = {
+    words_of_keys = {
         "position": ("distance", distance),
         "t_gamma_N": ("mean T-gamma", "N"),
         "conicity": ("equivalent conicity at 3 mm", ""),
@@ -113,7 +113,7 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
     return [
         Quantity(key, words, partial(_number, key), unit, ".5g")
         for key in keys
-        for words, unit in (own.get(key) or named(key),)
+        for words, unit in (words_of_keys.get(key) or named(key),)
     ]
 
 

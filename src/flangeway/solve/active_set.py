@@ -121,10 +121,10 @@ class Motions:
         stiffness of one.
         """
         yields = diagonal > ROUND_OFF * np.abs(diagonal).max(initial=0.0)
-        own = np.sum(self.by_motion[yields] ** 2, axis=1) / diagonal[yields]
+        compliance = np.sum(self.by_motion[yields] ** 2, axis=1) / diagonal[yields]
         symmetric = (self.stiffness + self.stiffness.T) / 2.0
         unstable = max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
-        spring = stiffness * (float(own.max(initial=0.0)) or 1.0) + 2.0 * unstable
+        spring = stiffness * (float(compliance.max(initial=0.0)) or 1.0) + 2.0 * unstable
         return replace(self, stiffness=self.stiffness - spring * np.eye(len(self.residual)))
 
     def compliances(self) -> Floats:
@@ -174,12 +174,12 @@ class Laws:
     """
 
     def __init__(self, coefficients: Floats, barriers: Floats, compliances: Floats) -> None:
-        own, most = np.abs(compliances), float(np.abs(compliances).max(initial=0.0))
+        sizes, most = np.abs(compliances), float(np.abs(compliances).max(initial=0.0))
         # negative ones are of bodies that pressure makes unstable where surfaces are apart
-        self.stiffness = np.where(own > 0.0, 1.0 / np.where(own > 0.0, own, 1.0), 1.0 / (most or 1.0))
+        self.stiffness = np.where(sizes > 0.0, 1.0 / np.where(sizes > 0.0, sizes, 1.0), 1.0 / (most or 1.0))
         self.m, self.barriers = len(coefficients), barriers
-        self.friction = len(own) > self.m
-        movable = own[self.m :] > ROUND_OFF * most if self.friction else np.zeros(self.m, dtype=np.bool_)
+        self.friction = len(sizes) > self.m
+        movable = sizes[self.m :] > ROUND_OFF * most if self.friction else np.zeros(self.m, dtype=np.bool_)
         self.coefficients = np.where(movable, coefficients, 0.0)
         self.barred = bool((barriers[:, 0] > 0.0).any())
 

@@ -185,14 +185,14 @@ class CondensedBodies(BodyResponse):
         inner = sp.csr_array(inner)
         bends = []
         for group in np.unique(groups[owner]):
-            own = np.flatnonzero(groups[owner] == group)
-            stiffness, matrix, bodies = inner[own][:, own], np.eye(len(own)), []
+            members = np.flatnonzero(groups[owner] == group)
+            stiffness, matrix, bodies = inner[members][:, members], np.eye(len(members)), []
             for here, flexibility in (blocks[number] for number in np.flatnonzero(groups == group)):
-                of_body = slice(*np.searchsorted(bent[own], (here.start, here.stop)).tolist())
-                among = bent[own][of_body] - here.start
+                of_body = slice(*np.searchsorted(bent[members], (here.start, here.stop)).tolist())
+                among = bent[members][of_body] - here.start
                 matrix[:, of_body] += stiffness[:, of_body] @ flexibility[np.ix_(among, among)]
                 bodies.append((here, of_body, flexibility[among]))
-            bends.append((bent[own], stiffness, matrix, bodies))
+            bends.append((bent[members], stiffness, matrix, bodies))
 
         def solved(loads: sp.csr_array) -> Floats:
             loads, result = sp.csr_array(turn.T @ loads), np.zeros(loads.shape)
@@ -331,8 +331,8 @@ class SparseBodies(BodyResponse):
             forces = np.asarray(spreading @ solution[size:])
             return forces, np.asarray(jacobian @ solution[:size] + offset + laws.compliances * forces)
 
-        own = SURFACE_SOFTNESS * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
-        return solved, own + laws.compliances
+        diagonal = SURFACE_SOFTNESS * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
+        return solved, diagonal + laws.compliances
 
     def _fields_by_forces(self, rotations: Floats, forces: Floats) -> list[Floats]:
         every = self._spread(rotations, np.arange(self.n_nodes))

@@ -202,7 +202,9 @@ class Handles:
         self._response, self._placements = response, tuple(placements)
         of_bodies = list(handles or [None] * len(self._placements))
         self._handles = list(dict.fromkeys(handle for handle in of_bodies if handle is not None))
-        self._members = [[i for i, own in enumerate(of_bodies) if own is handle] for handle in self._handles]
+        self._members = [
+            [i for i, handle_of_body in enumerate(of_bodies) if handle_of_body is handle] for handle in self._handles
+        ]
         for surface, handle in zip(response.surfaces, of_bodies, strict=True):
             freedom, shared = surface.body.freedom, handle is not None and of_bodies.count(handle) > 1
             if freedom.n_motions > (0 if handle is None or shared else handle.n_motions):
@@ -217,9 +219,9 @@ class Handles:
         self.n = int(self.starts[-1])
         self._sizes = [self._size(members) for members in self._members]
         self._units = np.ones(self.n)
-        for handle, own, size in zip(self._handles, self._slices(), self._sizes, strict=True):
+        for handle, components, size in zip(self._handles, self._slices(), self._sizes, strict=True):
             if handle.turns:
-                self._units[own.stop - 1] = 1.0 / size
+                self._units[components.stop - 1] = 1.0 / size
         solved = [SOLVED if handle.soft_motions == "solved" else 1.0 for handle in self._handles]
         self.sizes: Floats = np.repeat(np.multiply(self._sizes, solved), counts)
         self.numbers: Ints = np.repeat(np.arange(len(counts)), counts)
@@ -238,8 +240,8 @@ class Handles:
 
     def _motions(self, motions: Floats) -> Iterator[tuple[Handle, slice, list[int], Floats]]:
         """Each handle, the place of its unknowns, its bodies, and its motion of motions (n,), not scaled."""
-        for handle, own, members in zip(self._handles, self._slices(), self._members, strict=True):
-            yield handle, own, members, (motions * self._units)[own]
+        for handle, components, members in zip(self._handles, self._slices(), self._members, strict=True):
+            yield handle, components, members, (motions * self._units)[components]
 
     def _nodes(self, member: int) -> slice:
         return slice(*self._response.offsets[member : member + 2].tolist())
@@ -259,17 +261,17 @@ class Handles:
     def springs(self) -> Floats:
         """Stiffness of the handles' springs, shape (n, n)."""
         result = np.zeros((self.n, self.n))
-        for handle, own in zip(self._handles, self._slices(), strict=True):
+        for handle, components in zip(self._handles, self._slices(), strict=True):
             if handle.stiffness is not None:
-                result[own, own] = handle.stiffness
+                result[components, components] = handle.stiffness
         return result * self._units * self._units[:, None]
 
     def without_turns(self, motions: Floats) -> Floats:
         """Motions (n,) without rotations."""
         result = motions.copy()
-        for handle, own in zip(self._handles, self._slices(), strict=True):
+        for handle, components in zip(self._handles, self._slices(), strict=True):
             if handle.turns:
-                result[own.stop - 1] = 0.0
+                result[components.stop - 1] = 0.0
         return result
 
     def placements(self, motions: Floats) -> tuple[Placement, ...]:
@@ -283,32 +285,32 @@ class Handles:
     def velocities(self, motions: Floats, positions: Floats) -> Floats:
         """Velocities of all surface nodes at positions (n_nodes, 2) by the motions, shape (n_nodes, 2, n)."""
         result = np.zeros((len(positions), 2, self.n))
-        for handle, own, members, motion in self._motions(motions):
+        for handle, components, members, motion in self._motions(motions):
             for i in members:
                 nodes = self._nodes(i)
-                result[nodes, :, own.start : own.start + len(handle.directions)] = handle.directions.T
+                result[nodes, :, components.start : components.start + len(handle.directions)] = handle.directions.T
                 if handle.turns:
                     moved = -turned_right(positions[nodes] - handle.pivot_after(motion))
                     by_loads = self._response.turning(i, handle.placed(self._placements[i], motion))
                     moved = moved if by_loads is None else moved + by_loads
-                    result[nodes, :, own.stop - 1] = moved * self._units[own.stop - 1]
+                    result[nodes, :, components.stop - 1] = moved * self._units[components.stop - 1]
         return result
 
     def turned(self, forces: Floats) -> Floats:
         """Forces (n_nodes, 2) turned back by the motions, as each part's axes see them: (n_nodes, 2, n)."""
         result = np.zeros((len(forces), 2, self.n))
-        for handle, own, members, _ in self._motions(np.zeros(self.n)):
+        for handle, components, members, _ in self._motions(np.zeros(self.n)):
             for nodes in map(self._nodes, members if handle.turns else []):
-                result[nodes, :, own.stop - 1] = turned_right(forces[nodes]) * self._units[own.stop - 1]
+                result[nodes, :, components.stop - 1] = turned_right(forces[nodes]) * self._units[components.stop - 1]
         return result
 
     def forces(self, motions: Floats) -> Floats:
         """Forces of loads, on the handles and on their bodies, and of springs along the motions, shape (n,)."""
         forces = np.zeros(self.n)
-        for handle, own, members, motion in self._motions(motions):
+        for handle, components, members, motion in self._motions(motions):
             x, y, moment, _ = self._resultant(handle, members, motion)
             on_bodies = np.append(handle.directions @ (x, y), [moment] if handle.turns else [])
-            forces[own] = handle.forces(motion) + on_bodies
+            forces[components] = handle.forces(motion) + on_bodies
         return forces * self._units
 
     def _resultant(self, handle: Handle, members: Sequence[int], motion: Floats) -> Floats:
@@ -320,10 +322,10 @@ class Handles:
     def tangent(self, motions: Floats) -> Floats:
         """Derivatives of `forces` by the motions, shape (n, n)."""
         result = np.zeros((self.n, self.n))
-        for handle, own, members, motion in self._motions(motions):
-            result[own, own] = handle.tangent(motion)
+        for handle, components, members, motion in self._motions(motions):
+            result[components, components] = handle.tangent(motion)
             if handle.turns:
-                result[own.stop - 1, own.stop - 1] += self._resultant(handle, members, motion)[3]
+                result[components.stop - 1, components.stop - 1] += self._resultant(handle, members, motion)[3]
         return result * self._units * self._units[:, None]
 
     def residual(self, motions: Floats, positions: Floats, forces: Floats) -> Floats:
@@ -333,20 +335,22 @@ class Handles:
     def shortened(self, step: Floats, velocities: Floats) -> Floats:
         """A step (n,) that moves no node by more than `LONGEST_MOVE` of its part's size."""
         worst = 0.0
-        for _, own, members, _ in self._motions(step):
+        for _, components, members, _ in self._motions(step):
             for i in members:
-                moved = np.linalg.norm(velocities[self._nodes(i), :, own] @ step[own], axis=1).max(initial=0.0)
+                moved = np.linalg.norm(velocities[self._nodes(i), :, components] @ step[components], axis=1).max(
+                    initial=0.0
+                )
                 worst = max(worst, moved / (LONGEST_MOVE * self._response.surfaces[i].body.size))
         return step / max(worst, 1.0)
 
     def describe(self, motions: Floats, directions: Floats) -> list[str]:
         """Words for what each handle can do by motions in the span of some directions (n, k), for those that move."""
         sentences = []
-        for (handle, own, members, motion), size in zip(self._motions(motions), self._sizes, strict=True):
+        for (handle, components, members, motion), size in zip(self._motions(motions), self._sizes, strict=True):
             rigid = np.zeros((3, directions.shape[1]))
-            rigid[:2] = handle.directions.T @ directions[own][: len(handle.directions)]
+            rigid[:2] = handle.directions.T @ directions[components][: len(handle.directions)]
             if handle.turns:
-                rigid[2] = directions[own.stop - 1]
+                rigid[2] = directions[components.stop - 1]
             rigid[np.abs(rigid) < MIN_NAMED_FRACTION] = 0.0
             words = described_motions(rigid, handle.pivot_after(motion), size)
             if words:

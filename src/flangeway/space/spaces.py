@@ -264,9 +264,9 @@ class Space:
         vertices = np.ascontiguousarray(np.moveaxis(mesh.points[corners], 0, -1))
         outline = vertices
         if self._curved[cells[0]]:
-            own = dofs[: n_vertices * self.order].T
-            inner = own[:, n_vertices:].reshape(len(cells), n_vertices, -1)
-            points = self.nodes[np.concatenate((own[:, :n_vertices, None], inner), axis=2)]
+            corner_dofs = dofs[: n_vertices * self.order].T
+            inner = corner_dofs[:, n_vertices:].reshape(len(cells), n_vertices, -1)
+            points = self.nodes[np.concatenate((corner_dofs[:, :n_vertices, None], inner), axis=2)]
             outline = np.ascontiguousarray(np.moveaxis(points, 0, -1))
         return CellBatch(element, cells, vertices, dofs, outline)
 

@@ -269,7 +269,7 @@ def block_array(blocks: Sequence[Sequence[Any]]) -> FormMatrix:
     rows = []
     for row in blocks:
         given = [block for block in row if block is not None]
-        own = [np.broadcast_to(getattr(block, "round_off", 1.0), given[0].shape[:1]) for block in given]
-        rows.append(np.max(own, axis=0))
+        round_offs = [np.broadcast_to(getattr(block, "round_off", 1.0), given[0].shape[:1]) for block in given]
+        rows.append(np.max(round_offs, axis=0))
     result.round_off = np.concatenate(rows)
     return result

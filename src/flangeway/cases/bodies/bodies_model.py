@@ -241,14 +241,14 @@ class _Builder:
     def _spring(self, table: SpringTable, key: str) -> Spring:
         where = self._position(table, key)
         units = ("MPa_mm", "N_mm") if isinstance(where, str) else ("N_mm", "MPa_mm")
-        own, other = ([getattr(table, f"{axis}_{unit}") for axis in "xy"] for unit in units)
-        if other != [None, None] or own == [None, None]:
+        stiffness, other = ([getattr(table, f"{axis}_{unit}") for axis in "xy"] for unit in units)
+        if other != [None, None] or stiffness == [None, None]:
             raise InputError(
                 f"{key} with x = {table.x_MPa_mm or table.x_N_mm} and y = {table.y_MPa_mm or table.y_N_mm}",
                 f"x_{units[0]}, y_{units[0]} or both for {'edges' if isinstance(where, str) else 'a point'}",
                 "give a stiffness in this unit",
             )
-        return Spring(where, own[0] or 0.0, own[1] or 0.0)
+        return Spring(where, stiffness[0] or 0.0, stiffness[1] or 0.0)
 
     def _load(self, table: LoadTable, key: str) -> Load:
         given = [name for name in LOAD_KEYS if getattr(table, name) is not None]

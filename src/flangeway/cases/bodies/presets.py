@@ -271,8 +271,8 @@ class HertzCase(PresetCase, BodiesCase):
 
     def _of(self, name: str, key: str) -> Any:
         """Return an input of a body; that of the upper one where the lower one has none of its own."""
-        own = getattr(self, f"lower_{key}") if name == "lower" else None
-        return getattr(self, key) if own is None else own
+        lower = getattr(self, f"lower_{key}") if name == "lower" else None
+        return getattr(self, key) if lower is None else lower
 
     @property
     def _curvature(self) -> float:

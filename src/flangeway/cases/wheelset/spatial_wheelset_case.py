@@ -205,10 +205,10 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             (key for key in type(self).model_fields if key not in plane and key != "model"), "model", "spatial"
         )
         shared = WheelsetTangentCase.model_fields.keys() & self.model_fields_set
-        own = {"rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "order"}
+        keys = {"rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "order"}
         if self.car_mass_t is not None:
-            own -= {"axle_load_kN"}
-        values = {key: getattr(self, key) for key in shared | own}
+            keys -= {"axle_load_kN"}
+        values = {key: getattr(self, key) for key in shared | keys}
         return WheelsetTangentCase.from_values(values | {"superelevation_base_mm": self._superelevation_base})
 
     def problem(self) -> WheelsetProblem:

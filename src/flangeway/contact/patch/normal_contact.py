@@ -370,6 +370,6 @@ def _remainder(cells: SurfaceCells, strip: float, numbers: Ints) -> Floats:
     assert cells.material is not None
     n, n_strips = cells.n_cells, int(numbers[-1]) + 1
     table = compliance_table(cells, MIN_WAVENUMBER, 2.0 * np.pi / strip, TABLE_TOLERANCE)
-    own = table.influence(strip, n_strips, nearest=CORRECTED_DISTANCE).reshape(n_strips, n, 3, n, 3)[numbers]
-    own -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
-    return np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
+    remainder = table.influence(strip, n_strips, nearest=CORRECTED_DISTANCE).reshape(n_strips, n, 3, n, 3)[numbers]
+    remainder -= half_spaces_on((cells.material,), cells.limits, cells.frames, strip, n_strips)[numbers]
+    return np.einsum("iax,ziajb,jby->zixjy", cells.frames, remainder, cells.frames, optimize=True)

@@ -126,7 +126,7 @@ def roll(
     while change > PRESSURE_CHANGE and turn < MAX_TURNS:
         turn += 1
         old, forces = step.contact.normal_forces, _forces(result)
-        new = contact.pressed(result.raised, old).forces
+        new = contact.pressed(result.gap_increase, old).forces
         change = float(np.abs(new - old).sum()) / contact.force
         step = replace(step, contact=step.contact.under(new / contact.areas))
         result = step.rolling(forces, result.motion, wanted, tolerance)
@@ -204,7 +204,7 @@ def adjoint(rolling: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[
         forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * STRIPS_BEYOND))
         for k, weight in enumerate(step.weights):
             forces[:, rows, :, strips.start + STRIPS_BEYOND + k : strips.stop + STRIPS_BEYOND + k] += weight * by_slip
-        by_normal = by_normal + rolling.contact.raised(step.turned(forces))[..., STRIPS_BEYOND:-STRIPS_BEYOND]
+        by_normal = by_normal + rolling.contact.gap_increase(step.turned(forces))[..., STRIPS_BEYOND:-STRIPS_BEYOND]
     return step.distance * step.outside(by_slip), by_normal, by_slope
 
 
@@ -403,7 +403,7 @@ class _Step:
         forces, slips = self.outside(state.forces), self.velocity(motion) * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        raised = contact.raised(np.pad(forces, ((0, 0), (0, 0), (STRIPS_BEYOND, STRIPS_BEYOND))))
+        gap_increase = contact.gap_increase(np.pad(forces, ((0, 0), (0, 0), (STRIPS_BEYOND, STRIPS_BEYOND))))
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         warmth, rolling = None, 0.0
         if self.steady:
@@ -411,7 +411,8 @@ class _Step:
                 heat = -np.sum(forces * slips, axis=1) / contact.areas
                 warmth = heating.rises(heat, contact.grid.strip, motion.speed)
             raising = (
-                raised[:, STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND] - raised[:, STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
+                gap_increase[:, STRIPS_BEYOND + 1 : 1 - STRIPS_BEYOND]
+                - gap_increase[:, STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
             ) / 2.0
             rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
         along, across, moment = self.resultants(forces).tolist()
@@ -429,7 +430,7 @@ class _Step:
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             flash_temperatures=warmth,
             rolling_power=rolling,
-            raised=raised[:, STRIPS_BEYOND:-STRIPS_BEYOND],
+            gap_increase=gap_increase[:, STRIPS_BEYOND:-STRIPS_BEYOND],
             slope=self.slope(motion),
             past=() if self.before is None or not motion.rolls else self.before.displacements[:1],
             steady=self.steady,

@@ -164,8 +164,8 @@ class SlipOperator:
         shape = n_strips, n_strips + len(weights) - 1
         self._inside = np.eye(*shape)
         self._difference = np.sum([w * np.eye(*shape, k) for k, w in enumerate(weights)], axis=0)
-        own = np.sum([w * np.diagonal(coefficients[k]) for k, w in enumerate(weights)], axis=0)
-        self.scale: Floats = 1.0 / own.reshape(-1, 2).mean(axis=1)[:, None, None]
+        diagonal = np.sum([w * np.diagonal(coefficients[k]) for k, w in enumerate(weights)], axis=0)
+        self.scale: Floats = 1.0 / diagonal.reshape(-1, 2).mean(axis=1)[:, None, None]
         """Force over slip of each cell by itself."""
 
     def __call__(self, forces: Floats) -> Floats:

@@ -386,7 +386,7 @@ class RollingContact:
         convolution: Convolution = self._shared("tangential", make)
         return convolution(padded.reshape(-1, padded.shape[-1])).reshape(padded.shape)
 
-    def raised(self, tangential: Floats) -> Floats:
+    def gap_increase(self, tangential: Floats) -> Floats:
         """Displacements (..., n_cells, n_strips) along n by forces (t, z), (..., n_cells, 2, n_strips).
 
         Both on the cells and on `STRIPS_BEYOND` more strips at each end.
@@ -503,7 +503,7 @@ class Rolling(CreepForces):
     rolling_power
         Power of the pressures as tractions move the surfaces along their normals: with a part of them ahead of the
         middle they resist rolling. 0 between half-spaces of one material.
-    raised
+    gap_increase
         Displacements along the normals by tractions, shape (n_cells, n_strips).
     slope
         Factor of `Friction.slope`.
@@ -520,7 +520,7 @@ class Rolling(CreepForces):
     states: Ints
     flash_temperatures: Floats | None = None
     rolling_power: float = 0.0
-    raised: Floats
+    gap_increase: Floats
     slope: float = 1.0
     past: tuple[Floats, ...] = ()
     steady: bool = False

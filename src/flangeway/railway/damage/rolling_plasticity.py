@@ -353,7 +353,7 @@ def _layer_response(q: float, edges: Floats, n_z: int, poisson: float) -> NDArra
         stress[i, 2, :, 3] = 1j * lame * (strain[0] + strain[1])[:, 2]
         stress[i, 3, :, [0, 1]] = -1j * response[2][:, :2].T
         stress[i, 3, :, 3] = response[2, :, 2]
-    own = np.diag([2.0, 2.0, 2.0, 1.0])
+    unit_strains = np.diag([2.0, 2.0, 2.0, 1.0])
     for i in range(n_z):
-        stress[i, :, i] -= own
+        stress[i, :, i] -= unit_strains
     return np.asarray(np.einsum("as,isjt,bt->iajb", BASE, stress, BASE))

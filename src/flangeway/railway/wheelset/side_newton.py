@@ -59,17 +59,17 @@ class SideNewton:
         pose: WheelPose,
         forces: Floats | float = 0.0,
         creep: Floats | float = 0.0,
-        raised: Floats | float = 0.0,
+        gap_increase: Floats | float = 0.0,
     ) -> None:
         self.grid, self.pose = grid, pose
         n, n_z = len(grid.grid.widths), grid.grid.n_strips
         self.creep: Floats = np.zeros((n, 2)) + creep
         """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.raised: Floats = np.zeros((n, n_z)) + raised
+        self.gap_increase: Floats = np.zeros((n, n_z)) + gap_increase
         """What they open the gaps besides, (n, n_z)."""
         start: Floats = np.zeros((n, n_z)) + forces
         self.points, self.normals, self.gap, self.values = grid.deformed(pose, start, self.creep[:, 0])
-        self.values = self.values + self.raised
+        self.values = self.values + self.gap_increase
         # cells that touch on these bodies: the steps would find them one after the other
         solution = solve_normal(
             grid.influence, self.values, approach=0.0, start=start if start.any() else None, tolerance=START_TOLERANCE
@@ -88,7 +88,7 @@ class SideNewton:
         """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
         self.stiffness: Floats = np.zeros((3, len(MOTIONS)))
         """Derivatives of the resultant of normal forces by `MOTIONS`, at the last `linearised_resultant`."""
-        self.bent = False
+        self.creep_is_limited = False
 
     def linearise(self, pose: WheelPose) -> None:
         """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
@@ -96,7 +96,7 @@ class SideNewton:
         guess = self.gap.moved(self.pose, pose)
         self.pose = pose
         self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self.creep[:, 0], guess)
-        self.values = self.values + self.raised
+        self.values = self.values + self.gap_increase
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = FORCE_TOLERANCE * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
@@ -135,10 +135,10 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes) -> None:
+    def bend(self, creep: Floats, gap_increase: Floats, forces: Floats, slopes: CreepSlopes) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
-        - `raised`: see `SideCreep`.
+        - `gap_increase`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
         """
@@ -146,14 +146,14 @@ class SideNewton:
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, change[:, 0])
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = self.creep + share * change
-        self.bent = share < 1.0
+        self.creep_is_limited = share < 1.0
         part = np.ones((len(slopes.motion), 1))
         part[N_RESULTANTS:] = share
         self.slopes = slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape)
         self.shape = slopes.weights[:, self.touching] @ forces
         # rail points that move by v are as a wheel that moves by -v
-        opened = share * (raised - self.raised)
-        self.raised = self.raised + opened
+        opened = share * (gap_increase - self.gap_increase)
+        self.gap_increase = self.gap_increase + opened
         self.values = self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
     def solve(self) -> tuple[Floats, Floats]:
@@ -230,9 +230,9 @@ class SideNewton:
 
     def creep_now(self, forces: Floats, by_motion: Floats, at_bend: Floats) -> tuple[Floats, Floats]:
         """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
-        weights, own = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
-        now = at_bend + own @ (weights @ forces - self.shape)
-        return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
+        weights, by_shape = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
+        now = at_bend + by_shape @ (weights @ forces - self.shape)
+        return now, self.slopes.motion[:N_RESULTANTS] + by_shape @ (weights @ by_motion)
 
     def take(self, forces: Floats, step: Floats) -> float:
         """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.

@@ -159,13 +159,18 @@ class WheelsetNewton:
             if near is None:
                 self.sides[side] = SideNewton(grid, pose)
                 continue
-            before, raised = near.sides[side], None if near.rolled is None else near.rolled.creep[side].raised
+            before, gap_increase = (
+                near.sides[side],
+                None if near.rolled is None else near.rolled.creep[side].gap_increase,
+            )
             self.sides[side] = SideNewton(
                 grid,
                 pose,
                 transferred(before, grid),
                 transferred_creep(before, grid),
-                0.0 if raised is None else interpolated(raised, before.grid.grid.middles, grid.grid.middles),
+                0.0
+                if gap_increase is None
+                else interpolated(gap_increase, before.grid.grid.middles, grid.grid.middles),
             )
         self.reaches: dict[int, Reach] = {}
         """Step limits of rate and yaw: surfaces that slip everywhere have no slope that leads back."""
@@ -192,9 +197,9 @@ class WheelsetNewton:
         return 0.0 if lateral is None else lateral - self.position.lateral_mm
 
     @property
-    def bends(self) -> bool:
+    def creep_is_limited(self) -> bool:
         """Whether creep forces that were found still bend the bodies in part only."""
-        return any(side.bent for side in self.sides.values())
+        return any(side.creep_is_limited for side in self.sides.values())
 
     @property
     def reaches_an_end(self) -> bool:
@@ -250,9 +255,9 @@ class WheelsetNewton:
         jacobian[2, 2] += moment_by_roll(self.problem, self.position.roll_rad)
         jacobian[3:5, 3:5] += np.eye(2)
         self.residual, self.relative = with_loads(self.problem, self.position, total)
-        bent = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
-        self.bent = np.asarray(bent)
-        self.missed = np.concatenate((self.residual, self.tilts - self.bent, np.zeros(2)))
+        elastic = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
+        self.elastic_tilts = np.asarray(elastic)
+        self.missed = np.concatenate((self.residual, self.tilts - self.elastic_tilts, np.zeros(2)))
         if self.creep is not None:
             self._add_equations(self.creep)
         self.errors.append(self.relative.equilibrium_residual)
@@ -267,7 +272,7 @@ class WheelsetNewton:
         if side not in self._slopes:
             self._slopes[side] = self.creep.derivatives(side, newton, normal, creep)
         slopes = self._slopes[side]
-        newton.bend(creep.rows, creep.raised, forces, slopes)
+        newton.bend(creep.rows, creep.gap_increase, forces, slopes)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
@@ -379,15 +384,15 @@ class WheelsetNewton:
         step = self._step()
         change = 0.0
         for side, (forces, by, by_signs, columns) in self.changes.items():
-            own = by_signs * step[columns]
-            change = max(change, self.sides[side].take(forces + by @ own, own))
+            side_step = by_signs * step[columns]
+            change = max(change, self.sides[side].take(forces + by @ side_step, side_step))
         most = share * FINE_FORCES
         moving = (
-            self.bends
+            self.creep_is_limited
             or self.way_left != 0.0
             or (most < COARSE_FORCES and any(side.changed for side in self.sides.values()))
         )
-        tilted = float(np.abs(self.tilts - self.bent).max()) > share * FINE_TILT_RAD
+        tilted = float(np.abs(self.tilts - self.elastic_tilts).max()) > share * FINE_TILT_RAD
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
         self.tilts = self.tilts + step[3:5]
         if self.creep is not None:

@@ -116,9 +116,9 @@ def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> 
         axes = np.stack((pose.axis, inward, np.cross(pose.axis, inward)), axis=1)
     else:
         frame, origin, axes, forces = surfaces.rail_frame, np.array([0.0, 0.0, z]), np.eye(3), -forces
-    own = np.diff(ends, prepend=-np.inf) > END_TOLERANCE * grid.strip
-    cells = SurfaceCells(whole.problem, whole.edges, ends[own])
-    rows = np.minimum(np.cumsum(own)[::2], cells.n_cells) - 1
+    distinct = np.diff(ends, prepend=-np.inf) > END_TOLERANCE * grid.strip
+    cells = SurfaceCells(whole.problem, whole.edges, ends[distinct])
+    rows = np.minimum(np.cumsum(distinct)[::2], cells.n_cells) - 1
     turn = axes.copy()
     turn[:, :2] = axes[:, :2] @ frame.matrix
     on_cells = np.zeros((cells.n_cells, 3, grid.n_strips))

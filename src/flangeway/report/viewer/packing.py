@@ -105,12 +105,12 @@ def _without_copies(part: ShownPart, values: Floats, first: NDArray[np.intp] | N
     if part.places is None or first is None:
         return "points", values
     starts = part.mesh.cell_points[part.mesh.cell_offsets[:-1]]
-    own = np.repeat(starts, part.mesh.cell_sizes)
+    cells = np.repeat(starts, part.mesh.cell_sizes)
     at_places, at_cells = True, True
     for step in values:
         tolerance = VALUE_TOLERANCE * float(np.abs(step).max(initial=0.0))
         at_places = at_places and np.abs(step - step[first][part.places]).max(initial=0.0) <= tolerance
-        at_cells = at_cells and np.abs(step[part.mesh.cell_points] - step[own]).max(initial=0.0) <= tolerance
+        at_cells = at_cells and np.abs(step[part.mesh.cell_points] - step[cells]).max(initial=0.0) <= tolerance
     if at_places:
         return "places", values[:, first]
     return ("cells", values[:, starts]) if at_cells else ("points", values)

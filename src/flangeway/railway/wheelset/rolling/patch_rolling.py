@@ -117,11 +117,11 @@ class RollingMotion:
         """Friction of rows of cells with outward normals of the rail, (n, 2)."""
         if self.flange_friction is None:
             return self.friction
-        own = Friction(self.flange_friction)
+        on_flange = Friction(self.flange_friction)
         static, kinetic = (limit[0] for limit in self.friction.limits)
         steep = on_gauge_face(normals)
         share = kinetic / static if static > 0.0 else 1.0
-        on_face = float(own.limits[0][0])
+        on_face = float(on_flange.limits[0][0])
         return replace(
             self.friction, static=np.where(steep, on_face, static), kinetic=np.where(steep, share * on_face, kinetic)
         )
@@ -202,11 +202,13 @@ def contact_in(
     z = grid.along[strips]
     cells = PatchGrid(grid.bounds[rows.start : rows.stop + 1], grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
-    own = friction.of_rows(rows)
+    friction_of_rows = friction.of_rows(rows)
     coefficients = np.zeros((0, 0, 0))
     if bodies:
         coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * STRIPS_BEYOND)
-    return RollingContact(cells, forces / cells.areas, own, side.surfaces.materials, coefficients, None, origin)
+    return RollingContact(
+        cells, forces / cells.areas, friction_of_rows, side.surfaces.materials, coefficients, None, origin
+    )
 
 
 def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:

@@ -69,14 +69,14 @@ class SideCreep:
     - `patches`: by falling normal force.
     - `resultant`: force on the wheel (3,), moment about the axle's middle (3,), and that about the wheel's axis; (7,).
     - `rows`: forces on rows of cells along t and z, (n, 2).
-    - `raised`: what they open gaps more than `GriddedSide.bending_across` has it, on the cells of the patches and about
-      them, (n, n_z).
+    - `gap_increase`: gap change from creep forces beyond that of `GriddedSide.bending_across`, on the cells of the
+      patches and about them, (n, n_z).
     """
 
     patches: tuple[PatchCreep, ...]
     resultant: Floats
     rows: Floats
-    raised: Floats
+    gap_increase: Floats
 
     @property
     def interiors(self) -> list[Bools] | None:
@@ -180,21 +180,23 @@ class WheelsetCreep:
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
         total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.widths), 2))
-        raised = np.zeros(state.forces.shape)
+        gap_increase = np.zeros(state.forces.shape)
         for _, contact, forces, points in patches:
-            cells, own = forces_on_cells(forces, contact), rows_of(state, contact)
+            cells, patch_rows = forces_on_cells(forces, contact), rows_of(state, contact)
             s, z = contact.places
             missing = forces.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
-            spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
+            spinning = missing * np.append(contact.row_shares @ state.normals[patch_rows], 0.0)
             ahead = cells[..., 0] @ contact.grid.along
-            total += _resultant((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
-            rows[own] += cells.sum(axis=1)
+            total += _resultant(
+                (points[patch_rows], state.normals[patch_rows]), pose, cells.sum(axis=1), ahead, spinning
+            )
+            rows[patch_rows] += cells.sum(axis=1)
             if isinstance(forces, Rolling):
                 total[6] -= 1e3 * forces.rolling_power / self.rate_rad_s
-                moved = state.grid.bending_across[own, :, own] @ cells[..., 0].sum(axis=1)
-                moved = (moved * state.normals[own]).sum(axis=1)[:, None]
-                raised[own, strips_of(state, contact)] += forces.raised + moved
-        return SideCreep(patches, total, rows, raised)
+                moved = state.grid.bending_across[patch_rows, :, patch_rows] @ cells[..., 0].sum(axis=1)
+                moved = (moved * state.normals[patch_rows]).sum(axis=1)[:, None]
+                gap_increase[patch_rows, strips_of(state, contact)] += forces.gap_increase + moved
+        return SideCreep(patches, total, rows, gap_increase)
 
     def derivatives(self, side: Side, newton: SideNewton, normal: Floats, side_creep: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
