@@ -7,7 +7,6 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
@@ -46,17 +45,6 @@ def drawn(runs):
 
 def texts(figure):
     return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
-
-
-def test_axes_that_are_measured_once_are_where_matplotlib_puts_them(drawn):
-    """The layout moves no axes by more than half a percent of the picture from those of matplotlib's own layout."""
-    for figure in drawn:
-        engine, places = figure.get_layout_engine(), []
-        for layout in (ConstrainedLayoutEngine(compress=engine._compress), engine):
-            figure.set_layout_engine(layout)
-            figure.draw_without_rendering()
-            places.append(np.array([axes.get_position().extents for axes in figure.axes]))
-        assert np.abs(places[1] - places[0]).max() < 5e-3
 
 
 def test_nothing_is_clipped(drawn):

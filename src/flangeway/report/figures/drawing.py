@@ -10,18 +10,15 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure, FigureBase
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import AutoLocator, Formatter, MaxNLocator
-from matplotlib.transforms import Bbox
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from PIL import Image
@@ -60,48 +57,6 @@ HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-class FittedLayout(ConstrainedLayoutEngine):
-    """Matplotlib's constrained layout, which measures `ShownAxes` again only where labels of ticks have other lengths.
-
-    It lays axes out twice, as ticks may change with their size, and measures all texts each time, which takes as long
-    as drawing them.
-    """
-
-    def __init__(self, *, compressed: bool) -> None:
-        super().__init__(compress=compressed)
-        self.margins: dict[Axes, tuple[list[int], Floats]] = {}
-        """Letters of the longest labels at ticks of both axes, and what was measured with them."""
-
-    def execute(self, fig: FigureBase) -> Any:
-        """Lay out the figure."""
-        self.margins = {}
-        return super().execute(fig)  # type: ignore[arg-type]
-
-
-class ShownAxes(Axes):
-    """Axes whose ticks and labels are measured once for a `FittedLayout`."""
-
-    def get_tightbbox(
-        self, renderer: RendererBase | None = None, *, for_layout_only: bool = False, **options: Any
-    ) -> Bbox | None:
-        """Return the box about axes, ticks and labels, in pixels."""
-        figure: Any = self.get_figure(root=True)
-        engine = figure.get_layout_engine()
-        if not (for_layout_only and isinstance(engine, FittedLayout)):
-            return super().get_tightbbox(renderer, for_layout_only=for_layout_only, **options)
-        locator: Any = self.get_axes_locator()  # of colour bars
-        self.apply_aspect(locator(self, renderer) if locator else None)
-        both = self.xaxis, self.yaxis
-        labels = [axis.get_major_formatter().format_ticks(list(axis.get_majorticklocs())) for axis in both]
-        lengths = [max(map(len, texts), default=0) for texts in labels]
-        if self not in engine.margins or engine.margins[self][0] != lengths:
-            around = super().get_tightbbox(renderer, for_layout_only=True, **options)
-            if around is None:
-                return None
-            engine.margins[self] = lengths, np.array(around.extents) - self.bbox.extents
-        return Bbox.from_extents(*(self.bbox.extents + engine.margins[self][1]))
-
-
 class ShownFigure(Figure):
     """A figure that notebooks show without a global state of matplotlib; what it draws has the colours of `SERIES`."""
 
@@ -109,15 +64,9 @@ class ShownFigure(Figure):
 
     def add_subplot(self, *args: Any, **kwargs: Any) -> Axes:
         """Add axes as matplotlib does, which adds all axes of `Figure.subplots` by this method."""
-        axes = super().add_subplot(*args, **{"axes_class": ShownAxes} | kwargs)
+        axes = super().add_subplot(*args, **kwargs)
         axes.set_prop_cycle(color=SERIES)
-        for spine in axes.spines.values():  # ticks are shorter than the layout's margin
-            spine.set_in_layout(False)
         return axes
-
-    def add_axes(self, *args: Any, **kwargs: Any) -> Axes:
-        """Add axes, such as those of colour bars."""
-        return super().add_axes(*args, **{"axes_class": ShownAxes} | kwargs)
 
     def _repr_png_(self) -> bytes:
         return png(self)
@@ -130,7 +79,7 @@ def new_figure(width_in: float, height_in: float, units: Units = "metric", *, co
     """
     figure = ShownFigure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
     figure.units = units
-    figure.set_layout_engine(FittedLayout(compressed=compressed))
+    figure.set_layout_engine("compressed" if compressed else "constrained")
     FigureCanvasAgg(figure)
     return figure
 
