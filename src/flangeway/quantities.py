@@ -79,7 +79,7 @@ class Quantity(Generic[T_contra]):
             return [None if entry is None else _scaled(entry, self.factor) for entry in value]
         return _scaled(value, self.factor)
 
-    def each(self, source: T_contra, units: Units = "metric") -> list[Any]:
+    def numbers(self, source: T_contra, units: Units = "metric") -> list[Any]:
         """Return the numbers, one for each part, in a system of units."""
         value, other = self.value(source), self._other(units)
         numbers = [value] if not self.parts else value if value is not None else [None] * len(self.parts)
@@ -102,7 +102,7 @@ class Quantity(Generic[T_contra]):
     def texts(self, source: T_contra, units: Units = "metric") -> list[str]:
         """Return the numbers of an object as texts, one for each part."""
         other = self._other(units)
-        return [number_text(number, self.form, other) for number in self.each(source)]
+        return [number_text(number, self.form, other) for number in self.numbers(source)]
 
     def fact(self, source: T_contra, units: Units = "metric") -> tuple[str, str]:
         """Return the text with its unit, and the label, for a tile of the page."""
@@ -171,7 +171,7 @@ def column_names(quantities: Iterable[Quantity[Any]], units: Units = "metric") -
 
 def numbers(quantities: Iterable[Quantity[T_contra]], source: T_contra, units: Units = "metric") -> list[Any]:
     """Return the numbers of an object, one for each of `column_names`."""
-    return [number for quantity in quantities for number in quantity.each(source, units)]
+    return [number for quantity in quantities for number in quantity.numbers(source, units)]
 
 
 def columns(

@@ -101,11 +101,9 @@ def test_identifiers_and_keys_are_terms_of_the_field(module: str) -> None:
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_variables_say_what_a_thing_is(module: str) -> None:
-    """No variable and no argument has a name that fits anything."""
-    names = {node.id if isinstance(node, ast.Name) else node.arg for node in ast.walk(TREES[module])
-             if isinstance(node, ast.Name | ast.arg)}  # fmt: skip
-    assert names & NO_NAMES == set()
+def test_names_say_what_a_thing_is(module: str) -> None:
+    """No identifier and no key is a name that fits anything."""
+    assert names_of(TREES[module]) & NO_NAMES == set()
 
 
 @pytest.mark.parametrize("module", MODULES)

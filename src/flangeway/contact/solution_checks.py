@@ -356,7 +356,8 @@ MAX_SLIDE = 0.5
 MAX_KEPT = 1e-3
 """Force along a motion that is kept in place, relative to all forces of the part, see `flangeway.solve.Handle`."""
 
-MIN_POSITIVE = float(np.finfo(np.float64).tiny)
+MIN_NORMAL = float(np.finfo(np.float64).tiny)
+"""Smallest normal number: no force divided by no force is zero."""
 
 LARGE_STRAIN = 0.05
 """Mean strain of a cell, or pressure relative to the modulus, above which small strains are off by as many parts."""
@@ -400,9 +401,9 @@ def check_solution(
     slide, by_slides = _slide(system, state, errors)
     # Forces of a pair act at points that a gap separates: the sum of f.x over all nodes is that of force times gap.
     work = abs(float((state.nodal_forces * (state.positions - state.positions.mean(axis=0))).sum()))
-    gap = work / max(float(state.forces.sum()), MIN_POSITIVE)
+    gap = work / max(float(state.forces.sum()), MIN_NORMAL)
     # forces that displace no digit of the positions are none
-    least = MIN_POSITIVE + EPS * size / max(part.body.softness for part in system.parts)
+    least = MIN_NORMAL + EPS * size / max(part.body.softness for part in system.parts)
     loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
     reference = max(float(np.linalg.norm(state.nodal_forces, axis=1).max(initial=0.0)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.

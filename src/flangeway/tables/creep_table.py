@@ -44,7 +44,8 @@ OF_PATCH = {
     "radius_mm": 0,
 }
 """Numbers of a patch that are interpolated, and their further dimensions."""
-MIN_POSITIVE = 1e-300
+MIN_DIVISOR = 1e-300
+"""Far below all numbers of a table: zero divided by zero is zero."""
 ROUNDING_WIDTH = 0.004
 """Distance from the limit of friction within which forces bend into it; at the limit they are a quarter of it less."""
 
@@ -60,7 +61,7 @@ def reduced(creepages: Floats, stiffness: Floats, radius: Floats, limit: Floats)
     spin = stiffness[..., 1] * radius * creepages[..., 2]
     plane = np.hypot(ahead, across)
     size = np.hypot(plane, spin)
-    return size / np.maximum(size + SATURATED * limit, MIN_POSITIVE), np.arctan2(spin, plane), np.arctan2(across, ahead)
+    return size / np.maximum(size + SATURATED * limit, MIN_DIVISOR), np.arctan2(spin, plane), np.arctan2(across, ahead)
 
 
 def stencil(axis: Floats, values: Floats, smooth: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats]:
@@ -187,7 +188,7 @@ def within_cone(forces: Floats) -> Floats:
     size = np.hypot(forces[..., 0], forces[..., 1])
     near = np.clip(size, 1.0 - ROUNDING_WIDTH, 1.0 + ROUNDING_WIDTH) - 1.0 + ROUNDING_WIDTH
     forces[..., :2] *= (
-        (np.minimum(size, 1.0 + ROUNDING_WIDTH) - near**2 / (4.0 * ROUNDING_WIDTH)) / np.maximum(size, MIN_POSITIVE)
+        (np.minimum(size, 1.0 + ROUNDING_WIDTH) - near**2 / (4.0 * ROUNDING_WIDTH)) / np.maximum(size, MIN_DIVISOR)
     )[..., None]
     return forces
 
@@ -278,7 +279,7 @@ class CreepTable:
                 )
             around.append(stencil(axis, inside, smooth))
             low, high = axis[around[-1][0][:, 1:3]].T
-            fractions.append(np.clip((inside - low) / np.maximum(high - low, MIN_POSITIVE), 0.0, 1.0))
+            fractions.append(np.clip((inside - low) / np.maximum(high - low, MIN_DIVISOR), 0.0, 1.0))
         fractions[0] = fractions[0] ** 2 * (3.0 - 2.0 * fractions[0])
         nodes, of_nodes = zip(*around, strict=True)
         numbers = np.ravel_multi_index(crossed(nodes), [len(axis) for axis in self.axes]).reshape(-1, 64)
@@ -396,7 +397,7 @@ class CreepTable:
         further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
         point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
-        shares = weights / np.maximum(weights.sum(axis=-1, keepdims=True), MIN_POSITIVE)
+        shares = weights / np.maximum(weights.sum(axis=-1, keepdims=True), MIN_DIVISOR)
         n_patches = normal.shape[2] // weights.shape[2]
         present = normal.reshape(*normal.shape[:2], -1, n_patches) > 0.0
         at, side, group, corner, patch = np.nonzero((shares[..., None] != 0.0) & present[:, :, :, None])
@@ -449,7 +450,7 @@ class CreepTable:
         roll, level = np.sin(contacts["wheel_roll_rad"]), np.cos(contacts["wheel_roll_rad"])
         axis = np.stack((level * np.cos(1e-3 * sign * yaw), roll, level * np.sin(1e-3 * sign * yaw)), -1)
         arm = point - axis * (point * axis).sum(axis=-1, keepdims=True)
-        arm *= (contacts["rolling_radius_mm"] / np.maximum(np.linalg.norm(arm, axis=-1), MIN_POSITIVE))[..., None]
+        arm *= (contacts["rolling_radius_mm"] / np.maximum(np.linalg.norm(arm, axis=-1), MIN_DIVISOR))[..., None]
         zero = np.zeros_like(sign * turning)
         yawing = np.stack((zero, -sign * turning, zero), -1)
         slip = np.stack((sign * lateral + zero, zero, v + zero), -1) + np.cross(yawing, point)

@@ -144,7 +144,7 @@ There the roll is between two that differ by `_ROLL_TOLERANCE_RAD` at most, so t
 _ROLL_TOLERANCE_RAD = 1e-11
 
 _MAX_TURN_RAD = 0.02
-_MAX_CONTACT_SPEED = 3.0
+_MAX_SHIFT_RATIO = 3.0
 """Displacement of the point of contact per lateral displacement, above which it may have jumped."""
 _MAX_ITERATIONS = 40
 _SECTIONS = 32
@@ -369,7 +369,7 @@ class RigidGeometry:
                 return np.abs(np.diff(arcs, axis=-1)) > JUMP_MM
 
             arcs = path.side(side).wheel_arc[:, 0]
-            fast = np.abs(np.diff(arcs)) > max(JUMP_MM, _MAX_CONTACT_SPEED * PATH_STEP_MM)
+            fast = np.abs(np.diff(arcs)) > max(JUMP_MM, _MAX_SHIFT_RATIO * PATH_STEP_MM)
             pairs = self.narrowed(path.pairs(np.flatnonzero(within & fast)), jumped, TOUCH_TOLERANCE_MM)
             if len(pairs.level):
                 ends = self.located(self.touching(pairs.level.ravel(), roll=pairs.roll.ravel(), gaps=True))

@@ -206,7 +206,7 @@ class SpatialWheelset:
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
             settled = newton.step(cells.tolerance)
             message = f"contact forces and load are in equilibrium to {error:.1e}"
-            equilibrium = newton.found(Status(settled, message, iteration))
+            equilibrium = newton.equilibrium(Status(settled, message, iteration))
             grids, state = cells.after(equilibrium, at_end=newton.reaches_an_end)
             if cells.status is not None:
                 return replace(equilibrium, status=cells.status)

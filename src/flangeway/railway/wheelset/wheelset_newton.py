@@ -402,7 +402,7 @@ class WheelsetNewton:
             self.yaw += float(step[YAW])
         return error <= tolerance and change <= most and not (tilted or moving)
 
-    def found(self, status: Status) -> Equilibrium[SpatialState]:
+    def equilibrium(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""
         rolled = stable = None
         if self.creep is not None:
