@@ -82,20 +82,25 @@ def half_space_blocks(
         )
     # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
     apart = bounds[:, None] - bounds
-    # even cells have few distances: each is evaluated once
-    _, first, of_distance = np.unique(np.round(apart / np.ptp(bounds), 12), return_index=True, return_inverse=True)
-    x = apart.ravel()[first]
-    z = strip * np.arange(-1.0, n_strips + 1.0)[:, None]
+    # even cells have few distances: each is evaluated once, and that to the other side has its value or the opposite
+    distances = np.abs(apart).ravel()
+    _, first, of_distance = np.unique(np.round(distances / np.ptp(bounds), 12), return_index=True, return_inverse=True)
+    x = np.maximum(distances[first], ZERO)
+    z = np.maximum(strip * np.abs(np.arange(-1.0, n_strips + 1.0))[:, None], ZERO)
     x, z = np.broadcast_arrays(x, z)
     r = np.hypot(x, z)
     over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip)
+
+    def integrated(primitive: Primitive, *, swapped: bool, odd_x: bool = False, odd_z: bool = False) -> Floats:
+        values = primitive(z, x, r) if swapped else primitive(x, z, r)
+        if odd_z:
+            values[0] *= -1.0
+        corners = np.diff(values, n=2, axis=0)[:, of_distance.reshape(apart.shape)]
+        if odd_x:
+            corners *= np.sign(apart)
+        return -np.diff(np.diff(corners, axis=1), axis=2) / over
+
     square, mixed, odd = _PRIMITIVES
-
-    def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
-        corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=2, axis=0)
-        corners = np.diff(np.diff(corners[:, of_distance.reshape(apart.shape)], axis=1), axis=2)
-        return -corners / over
-
     xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
     inverse = (1.0 - poisson) * (xx_zz[0] + xx_zz[1])
     shear = young / (2.0 + 2.0 * poisson)
@@ -107,36 +112,23 @@ def half_space_blocks(
     half = 0.5 - poisson
     for indices, kernel, swapped in (((0, 1), odd, False), ((2, 1), odd, True)):
         if {indices, indices[::-1]} & set(pairs):
-            full[indices] = half * integrated(kernel, swapped=swapped)
+            full[indices] = half * integrated(kernel, swapped=swapped, odd_x=not swapped, odd_z=swapped)
             full[indices[::-1]] = -full[indices]
     if {(0, 2), (2, 0)} & set(pairs):
-        full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
+        full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False, odd_x=True, odd_z=True)
     return {pair: full[pair] / (2.0 * np.pi * shear) for pair in pairs}
 
 
-def _times_log(factor: Floats, value: Floats) -> Floats:
-    """``factor log(value)``, 0 where the value is 0 (the factor is then 0 too)."""
-    return factor * np.log(np.where(value > 0.0, value, 1.0))
-
-
-def _sum(x: Floats, r: Floats, other: Floats) -> Floats:
-    """``x + r`` without cancellation for x < 0, where ``r^2 = x^2 + other^2``."""
-    return np.where(x >= 0.0, r + x, other**2 / np.where(x < 0.0, r - x, 1.0))
-
-
+ZERO = 1e-300
+"""A length for none: where a logarithm or a quotient has no limit its factor is 0."""
 _PRIMITIVES: tuple[Primitive, Primitive, Primitive] = (
-    lambda x, z, r: r**3 / 6.0 - x**2 * r / 2.0 + _times_log(x**2 * z, _sum(z, r, x)) / 2.0,
-    lambda x, z, r: -(x * z * r + (_times_log(x**3, _sum(z, r, x)) + _times_log(z**3, _sum(x, r, z))) / 2.0) / 3.0,
+    lambda x, z, r: r**3 / 6.0 + x**2 * (z * np.log((z + r) / x) - r) / 2.0,
+    lambda x, z, r: -(x * z * r + (x**3 * np.log((z + r) / x) + z**3 * np.log((x + r) / z)) / 2.0) / 3.0,
     lambda x, z, r: (
-        _times_log(x * (3.0 * z**2 - x**2) / 6.0, r) + z**3 * _arctan(x, z) / 6.0 + x**2 * z * _arctan(z, x) / 2.0
+        x * (3.0 * z**2 - x**2) / 6.0 * np.log(r) + z**3 * np.arctan(x / z) / 6.0 + x**2 * z * np.arctan(z / x) / 2.0
     ),
 )
-"""Functions whose ``d4 / dx^2 dz^2`` are z^2 / r^3, x z / r^3 and x / r^2."""
-
-
-def _arctan(y: Floats, x: Floats) -> Floats:
-    """``arctan(y / x)``, 0 for x = 0."""
-    return np.arctan(y / np.where(x == 0.0, np.inf, x))
+"""Functions whose ``d4 / dx^2 dz^2`` are z^2 / r^3, x z / r^3 and x / r^2 at x, z > 0, as even or odd as these."""
 
 
 # --- Stresses inside a half-space under uniform tractions on rectangles.

@@ -4,9 +4,11 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 import scipy.fft
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from flangeway.errors import InputError
@@ -26,6 +28,9 @@ MAX_CHANGE = 1e-9
 """Change of the forces, relative to their sum, at which `Pressing` ends: single pressures are then within 1e-7."""
 
 
+Components = tuple[bool, ...]
+
+
 class Convolution:
     """Product of influence coefficients with forces on a grid of cells across and strips along z, by Fourier sums.
 
@@ -37,52 +42,83 @@ class Convolution:
     coefficients
         At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, m, n), by displacement and force.
     odd
-        Which displacements (m,) and which forces (n,) lie along z. Left out: none.
+        Which components of the displacement of a cell, and which of its force, lie along z. Rows of m and n are the
+        components of the first cell, then those of the second one. Left out: one component of each, not along z.
 
     """
 
-    def __init__(self, coefficients: Floats, odd: tuple[Bools, Bools] | None = None) -> None:
-        n_strips = len(coefficients)
+    def __init__(self, coefficients: Floats, odd: tuple[Components, Components] = ((False,), (False,))) -> None:
+        n_strips, self._odd = len(coefficients), odd
         # F_tw = exp(-2 pi i t w / 2n) to the wavenumbers w = 0 ... n, and back: on so few strips as patches have,
-        # products with matrices take half of the time of fast transforms
-        self._forward = scipy.fft.rfft(np.eye(n_strips), 2 * n_strips).view(np.float64)
-        waves = np.eye(2 * n_strips + 2).view(np.complex128)
-        self._back = scipy.fft.irfft(waves, 2 * n_strips)[:, :n_strips]
-        # even functions have a real spectrum, odd ones an imaginary one: with i times what is along z all is real
-        masks = odd or (np.zeros(coefficients.shape[1], dtype=bool), np.zeros(coefficients.shape[2], dtype=bool))
-        self._turns = [np.where(mask, 1.0j, 1.0)[:, None] for mask in masks]
+        # products with matrices take half of the time of fast transforms. Real and imaginary parts are rows of their
+        # own. Even functions have a real spectrum, odd ones an imaginary one: with i times what is along z, the second
+        # one of each pair of matrices, all is real
+        sums = scipy.fft.rfft(np.eye(n_strips), 2 * n_strips).T
+        self._forward = [_parts(sums), _parts(1j * sums)]
+        waves = np.eye(n_strips + 1)
+        back = np.stack((waves, 1j * waves), axis=1).reshape(-1, n_strips + 1)
+        self._back = [scipy.fft.irfft(turn * back, 2 * n_strips)[:, :n_strips] for turn in (1.0, -1j)]
         # S_w = c_0 + 2 sum over t of c_t cos(pi t w / n) + c_n cos(pi w), with sines for odd functions; the one at
         # the distance n is not used, but a gap there would make the inverse rough
         angles = np.pi / n_strips * np.outer(np.arange(n_strips + 1), np.arange(n_strips))
-        cosines = 2.0 * np.cos(angles)
+        cosines, sines = 2.0 * np.cos(angles), 2.0 * np.sin(angles)
         cosines[:, 0] /= 2.0
         cosines[:, -1] += np.cos(np.pi * np.arange(n_strips + 1))
-        self._spectrum = np.tensordot(cosines, coefficients, axes=1)
-        for along, across, sign in ((masks[0], ~masks[1], 1.0), (~masks[0], masks[1], -1.0)):
-            indices = np.ix_(np.arange(n_strips + 1), along, across)
-            kernel = coefficients[:, along][..., across]
-            self._spectrum[indices] = np.tensordot(2.0 * sign * np.sin(angles), kernel, axes=1)
+        # S_wcjdi by force j of the component c and displacement i of the component d
+        moved, by = odd
+        kernels = coefficients.reshape(n_strips, -1, len(moved), coefficients.shape[2] // len(by), len(by))
+        kernels = kernels.transpose(0, 4, 3, 2, 1)
+        spectrum = np.empty((n_strips + 1, *kernels.shape[1:]))
+        for (c, of_force), (d, of_move) in product(enumerate(by), enumerate(moved)):
+            wave = cosines if of_force == of_move else sines if of_move else -sines
+            spectrum[:, c, :, d] = np.tensordot(wave, kernels[:, c, :, d], axes=1)
+        self._spectrum = spectrum.reshape(n_strips + 1, coefficients.shape[2], -1)
 
     def inverted(self) -> "Convolution":
         """The inverse on twice the strips without ends: near the inverse of this one."""
         inverse = copy(self)
-        inverse._spectrum = np.linalg.inv(self._spectrum)
-        inverse._turns = self._turns[::-1]
+        inverse._spectrum, inverse._odd = np.linalg.inv(self._spectrum), self._odd[::-1]
         return inverse
 
-    def __call__(self, forces: Floats, *, transposed: bool = False) -> Floats:
-        """Displacements (..., m, n_strips) by forces (..., n, n_strips), or by the transposed product the reverse."""
-        n_strips, at_once = forces.shape[-1], forces.reshape(-1, *forces.shape[-2:])
-        loaded = np.flatnonzero(at_once.any(axis=(0, 2)))
-        rows = slice(int(loaded[0]), int(loaded[-1]) + 1) if len(loaded) else slice(0, 1)
-        into, out = self._turns if transposed else self._turns[::-1]
-        spectrum = self._spectrum.swapaxes(1, 2) if transposed else self._spectrum
-        # u_wik = sum over j of A_wij f_wjk for each wavenumber w, all k at once
-        waves = (at_once[:, rows] @ self._forward).view(np.complex128).transpose(2, 1, 0)
-        waves = np.ascontiguousarray(into[rows] * waves)
-        product = np.matmul(spectrum[:, :, rows], waves.view(np.float64)).view(np.complex128)
-        moved = np.ascontiguousarray((out.conj() * product).transpose(2, 1, 0)).view(np.float64) @ self._back
-        return np.asarray(moved.reshape(*forces.shape[:-2], -1, n_strips), dtype=np.float64)
+    def transposed(self) -> "Convolution":
+        """The transposed product."""
+        other = copy(self)
+        other._spectrum, other._odd = self._spectrum.swapaxes(1, 2), self._odd[::-1]
+        return other
+
+    def between(self, onto: Floats, back: Floats) -> "Convolution":
+        """Forces are spread on strips by one matrix (m, n), and displacements taken from them by another (n, k)."""
+        other = copy(self)
+        other._forward = [forward @ onto.T for forward in self._forward]
+        other._back = [backward @ back for backward in self._back]
+        return other
+
+    def __call__(self, forces: Floats) -> Floats:
+        """Displacements (..., m, n_strips) by forces (..., n, n_strips)."""
+        moved, by = self._odd
+        at_once = forces.reshape(-1, forces.shape[-2] // len(by), len(by), forces.shape[-1])
+        rows = slice(None)
+        if len(by) == 1:  # rows without forces are left out
+            loaded = np.flatnonzero(at_once.any(axis=(0, 2, 3)))
+            rows = slice(int(loaded[0]), int(loaded[-1]) + 1) if len(loaded) else slice(0, 1)
+        k, n = at_once[:, rows].shape[:2]
+        waves = np.empty((len(self._forward[0]), k, len(by), n))
+        for component, odd in enumerate(by):
+            on_strips = at_once[:, rows, component].swapaxes(1, 2)
+            np.matmul(self._forward[odd], on_strips, out=waves[:, :, component].swapaxes(0, 1))
+        # u_wki = sum over j of f_wkj S_wji for each wavenumber w, real and imaginary parts and all k at once
+        spectrum = self._spectrum[:, rows]
+        moved_waves = waves.reshape(len(spectrum), -1, spectrum.shape[1]) @ spectrum
+        moved_waves = moved_waves.reshape(len(waves), k, len(moved), -1)
+        result = np.empty((k, moved_waves.shape[3], len(moved), self._back[0].shape[1]))
+        for component, odd in enumerate(moved):
+            np.matmul(moved_waves[:, :, component].transpose(1, 2, 0), self._back[odd], out=result[:, :, component])
+        return result.reshape(*forces.shape[:-2], -1, result.shape[-1])
+
+
+def _parts(values: NDArray[np.complex128]) -> Floats:
+    """Real and imaginary parts of rows (n, m), one after the other: (2 n, m)."""
+    return np.stack((values.real, values.imag), axis=1).reshape(-1, values.shape[1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,41 +159,39 @@ class SlipOperator:
     """
 
     def __init__(self, coefficients: Floats, weights: tuple[float, ...], n_strips: int) -> None:
-        self.shape = (coefficients.shape[1] // 2, 2, n_strips)
-        self._moved = tangential_convolution(coefficients[: n_strips + len(weights) - 1])
         shape = n_strips, n_strips + len(weights) - 1
+        self._moved = tangential_convolution(coefficients[: shape[1]])
         self._inside = np.eye(*shape)
         self._difference = np.sum([w * np.eye(*shape, k) for k, w in enumerate(weights)], axis=0)
+        # S = D C f, with displacements on the strips and on those ahead of them; C is symmetric
+        self._slip = self._moved.between(self._inside, self._difference.T)
+        self._transposed = self._moved.between(self._difference, self._inside.T)
         diagonal = np.sum([w * np.diagonal(coefficients[k]) for k, w in enumerate(weights)], axis=0)
         self.scale: Floats = 1.0 / diagonal.reshape(-1, 2).mean(axis=1)[:, None, None]
         """Force over slip of each cell by itself."""
 
     def __call__(self, forces: Floats) -> Floats:
         """Slip (..., n_cells, 2, n_strips) by forces."""
-        # S = D C f, with displacements on the strips and on those ahead of them
-        return self._apply(self._moved, forces, self._inside, self._difference)
+        return self._on_cells(self._slip, forces)
 
     def transposed(self, values: Floats) -> Floats:
         """The transposed operator on values (..., n_cells, 2, n_strips)."""
-        return self._apply(self._moved, values, self._difference, self._inside)
+        return self._on_cells(self._transposed, values)
 
     def preconditioned(self, slips: Floats, *, transposed: bool = False) -> Floats:
         """Forces that nearly give slips, or the same of the transpose: C^-1 without ends, then D^-1 on the strips."""
-        back = self._summation.T if transposed else self._summation
-        return self._apply(self._inverse, slips, self._inside, back @ self._inside)
+        return self._on_cells(self._inverses[transposed], slips)
 
     @cached_property
-    def _inverse(self) -> Convolution:
-        return self._moved.inverted()
+    def _inverses(self) -> tuple[Convolution, Convolution]:
+        summation, inverse = np.linalg.inv(self._difference[:, : len(self._difference)]), self._moved.inverted()
+        return (
+            inverse.between(self._inside, self._inside.T @ summation.T),
+            inverse.between(self._inside, self._inside.T @ summation),
+        )
 
-    @cached_property
-    def _summation(self) -> Floats:
-        return np.linalg.inv(self._difference[:, : self.shape[2]])
-
-    def _apply(self, convolution: Convolution, values: Floats, onto: Floats, back: Floats) -> Floats:
-        """A convolution on strips to which values are spread by a matrix, and from which they are taken by another."""
-        flat = values.reshape(*values.shape[:-3], -1, self.shape[2])
-        return np.asarray(convolution(flat @ onto) @ back.T).reshape(values.shape)
+    def _on_cells(self, convolution: Convolution, values: Floats) -> Floats:
+        return convolution(values.reshape(*values.shape[:-3], -1, values.shape[-1])).reshape(values.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -425,42 +423,44 @@ class FrictionProblem:
 
 def tangential_convolution(coefficients: Floats) -> Convolution:
     """Displacements along t and z by forces along t and z, at distances (n_strips, 2 n_cells, 2 n_cells)."""
-    along = np.arange(coefficients.shape[1]) % 2 == 1
-    return Convolution(coefficients, odd=(along, along))
+    return Convolution(coefficients, odd=((False, True), (False, True)))
 
 
 def _across(directions: Floats, values: Floats) -> Floats:
     """Parts of values (..., n_cells, 2, n_strips) across directions."""
-    return values - directions * np.sum(directions * values, axis=-2, keepdims=True)
+    t, z = (directions[..., axis, :] * values[..., axis, :] for axis in (0, 1))
+    return values - directions * (t + z)[..., None, :]
 
 
 def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Floats:
     """Solve linear equations for several right-hand sides (k, ...), with an operator that is near to the inverse.
 
     Block GMRES: all right-hand sides share one Krylov space, so that each product with the operator serves all of them
-    (O'Leary, 1980, Linear Algebra and its Applications 29). Images W = L Z of the directions Z are kept orthonormal
-    (Walker and Zhou, 1994, Numerical Linear Algebra with Applications 1): ``x = Z W' b``.
+    (O'Leary, 1980, Linear Algebra and its Applications 29). Images of the directions Z are kept orthonormal (Walker and
+    Zhou, 1994, Numerical Linear Algebra with Applications 1): ``L Z = U W`` with U lower triangular,
+    ``x = b W' U^-1 Z`` of rows.
     """
     shape = right.shape[1:]
     residual = right.reshape(len(right), -1)
     enough = tolerance * np.linalg.norm(residual, axis=1)
-    solution, new = np.zeros(residual.shape), residual
-    directions = images = np.zeros((0, residual.shape[1]))
+    k, new, n = len(right), residual, 0
+    directions, images = np.empty((2, MAX_BLOCKS * k, residual.shape[1]))
+    mixed, along = np.eye(len(images)), np.empty((k, len(images)))
     for _ in range(MAX_BLOCKS):
         direction = near(new.reshape(-1, *shape)).reshape(new.shape)
         new = law(direction.reshape(-1, *shape)).reshape(new.shape)
+        parts = np.zeros((len(new), n))
         for _ in range(2):  # twice is enough
-            parts = new @ images.T
-            new, direction = new - parts @ images, direction - parts @ directions
+            more = new @ images[:n].T
+            new, parts = new - more @ images[:n], parts + more
         size = np.maximum(np.linalg.norm(new, axis=1), np.finfo(float).tiny)[:, None]
-        new, direction = new / size, direction / size
-        values, vectors = np.linalg.eigh(new @ new.T)
+        values, vectors = np.linalg.eigh((new / size) @ (new / size).T)
         apart = values > DEPENDENT
-        combined = vectors[:, apart].T / np.sqrt(values[apart, None])
-        new, direction = combined @ new, combined @ direction
-        directions, images = np.concatenate((directions, direction)), np.concatenate((images, new))
-        parts = residual @ new.T
-        solution, residual = solution + parts @ direction, residual - parts @ new
+        combined = vectors[:, apart].T / np.sqrt(values[apart, None]) / size.T
+        new, last = combined @ new, n + int(apart.sum())
+        directions[n:last], images[n:last], mixed[n:last, :n] = combined @ direction, new, combined @ parts
+        along[:, n:last] = residual @ new.T
+        residual, n = residual - along[:, n:last] @ new, last
         if (np.linalg.norm(residual, axis=1) <= enough).all():
             break
-    return solution.reshape(right.shape)
+    return (np.linalg.solve(mixed[:n, :n].T, along[:, :n].T).T @ directions[:n]).reshape(right.shape)

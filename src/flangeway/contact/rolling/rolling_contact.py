@@ -350,8 +350,8 @@ class RollingContact:
     def _normal_by_tangential(self) -> Convolution:
         def make() -> Convolution:
             blocks, n_cells = self._blocks[: self.grid.n_strips + 2 * STRIPS_BEYOND], len(self.pressures)
-            odd = np.zeros(n_cells, dtype=bool), np.arange(2 * n_cells) % 2 == 1
-            return Convolution(blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells), odd)
+            by_tangential = blocks[:, :, 1, :, ::2].reshape(-1, n_cells, 2 * n_cells)
+            return Convolution(by_tangential, odd=((False,), (False, True)))
 
         return self._shared("normal", make)
 
@@ -360,7 +360,7 @@ class RollingContact:
         """Displacements (t, z) by the normal forces, as `displacements`."""
         if not self.coupled:
             return np.zeros((len(self.pressures), 2, self.grid.n_strips + 2 * STRIPS_BEYOND))
-        moved = self._normal_by_tangential(_with_ends(self.normal_forces), transposed=True)
+        moved = self._normal_by_tangential.transposed()(_with_ends(self.normal_forces))
         return moved.reshape(len(self.pressures), 2, -1)
 
     def displacements(self, tangential: Floats) -> Floats:

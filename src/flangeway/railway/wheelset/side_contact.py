@@ -20,7 +20,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
 from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.solve.surface_compliance import half_spaces_on
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Ints
 
 MAX_STEPS = 12
 MAX_STEP_MM = 3.0
@@ -85,7 +85,7 @@ def wheel_gap(
     start, (u, v, w) = arms[:2].copy(), axis.tolist()
     gaps: Floats = np.zeros(rays.shape[1]) if guess is None else np.where(guess < FAR_MM, guess, 0.0).ravel()
     along, error, falling, radius, steepness = np.empty((5, len(gaps)))
-    left = np.arange(len(gaps))  # rays that have not met the wheel
+    left: slice | Ints = slice(None)  # rays that have not met the wheel
     for _ in range(MAX_STEPS):
         ray = rays[:, left]
         arms[:2, left] = start[:, left] + gaps[left] * ray
@@ -101,7 +101,7 @@ def wheel_gap(
         further = np.abs(wrong) >= MET_MM
         if not further.any():
             break
-        wrong, slope, left = wrong[further], slope[further], left[further]
+        wrong, slope, left = wrong[further], slope[further], np.arange(len(gaps))[left][further]
         step = np.where(slope < 0.0, -wrong / np.minimum(slope, -1e-3), MAX_STEP_MM * np.sign(wrong))
         gaps[left] += np.clip(step, -MAX_STEP_MM, MAX_STEP_MM)
     first, last = wheel.joints[[0, -1]]
@@ -339,12 +339,11 @@ class GriddedSide:
         for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
-            near = np.flatnonzero(loads.any(axis=1))
-            table = elastic.on_splines[np.ix_(near, np.arange(used), near)]
+            near = _loaded(loads)
             # T_zij = sum over splines k, l and tabulated distances w of A_zw L_ki R_kwl L_lj
-            by_force = np.tensordot(table, loads[near], axes=1)
+            by_force = elastic.on_splines[near, :used, near] @ loads[near]
             on_cells = np.tensordot(loads[near], by_force, axes=([0], [0]))
-            total += np.tensordot(along, on_cells, axes=([1], [1]))
+            total += (along @ on_cells).swapaxes(0, 1)
         return total
 
     @cached_property
@@ -369,7 +368,8 @@ class GriddedSide:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
-            in_section = (elastic.on_splines[:, 0] @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
+            near = _loaded(loads)
+            in_section = (elastic.on_splines[:, 0, near] @ loads[near]).reshape(-1, 3, loads.shape[1])[:, :2]
             moved.append(np.einsum("xy,ayj->axj", turn, in_section))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
@@ -485,6 +485,12 @@ class GriddedSide:
         along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
         by_shares = float((along * (self.bending_across @ shares)).sum())
         return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
+
+
+def _loaded(loads: Floats) -> slice:
+    """The rows of unit forces on splines, (3 N, n), from the first to the last one that is not zero."""
+    near = np.flatnonzero(loads.any(axis=1))
+    return slice(int(near[0]), int(near[-1]) + 1)
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:
