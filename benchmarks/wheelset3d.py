@@ -22,9 +22,11 @@ from benchmarks.measurement import NO_PEER, Measurement, timed
 from benchmarks.samples import resident_mb, sample
 from benchmarks.spatial import contact_of
 from benchmarks.sweep import wheelset_of
+from benchmarks.worn import worn_pair
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.report.case_outputs import write_case
+from flangeway.types import Floats
 
 ASKED_COLD_S, ASKED_WARM_S, ASKED_MB = 25.0, 3.0, 2048.0
 FURTHER: dict[str, tuple[dict[str, Any], float]] = {
@@ -32,9 +34,13 @@ FURTHER: dict[str, tuple[dict[str, Any], float]] = {
     "with friction": ({"friction": 0.3, "speed_km_h": 72.0}, 0.4),
 }
 """Inputs of the wheelset that is moved, and the seconds that are asked."""
-REACH_MM = 6.0
-"""Lateral motion: the flange touches beyond."""
-POSITIONS, QUICK_POSITIONS = 50, 3
+PLACES: dict[str, tuple[tuple[float, float], int]] = {
+    "README": ((-6.0, 6.0), 50),
+    "worn pair": ((-2.0, 2.0), 10),
+    "two patches and flange contact": ((5.8, 7.0), 10),
+}
+"""Lateral positions from and to, mm, and their number; a pair of files as instruments write, or the bundled one."""
+QUICK_POSITIONS = 3
 CONTACT_CELLS, CONTACT_S = 3148, 0.1
 GRID = (89, 89)
 """Cells of a window whose patch has about as many cells under pressure."""
@@ -44,15 +50,23 @@ def measurements() -> Iterator[Measurement]:
     """First runs of both models, further positions, and normal contact of the size that CONTACT publishes."""
     for model in ("spatial", "plane"):
         yield from _first_runs(model)
-    for name, (inputs, asked_s) in FURTHER.items():
-        yield _positions(POSITIONS, name, inputs, asked_s)
+    yield from _further()
     yield _normal_contact()
 
 
 def quick() -> Iterator[Measurement]:
     """A few further positions."""
-    for name, (inputs, asked_s) in FURTHER.items():
-        yield _positions(QUICK_POSITIONS, name, inputs, asked_s)
+    yield from _further(QUICK_POSITIONS)
+
+
+def _further(most: int | None = None) -> Iterator[Measurement]:
+    """Further positions of all pairs, at most so many of each."""
+    with TemporaryDirectory() as folder:
+        for pair, ((first, last), count) in PLACES.items():
+            files = worn_pair(Path(folder)) if pair == "worn pair" else {}
+            laterals = np.linspace(first, last, min(count, most or count))
+            for name, (inputs, asked_s) in FURTHER.items():
+                yield _positions(laterals, f"{name}, {pair}", files | inputs, asked_s)
 
 
 def _first_runs(model: str) -> Iterator[Measurement]:
@@ -84,23 +98,22 @@ def _run(model: str, start: float, folder: Path) -> dict[str, Any]:
     }
 
 
-def _positions(count: int, name: str, inputs: dict[str, Any], asked_s: float) -> Measurement:
+def _positions(laterals: Floats, name: str, inputs: dict[str, Any], asked_s: float) -> Measurement:
     """Further positions of a wheelset whose bodies and rigid geometry are ready, as those of a campaign."""
     wheelset = wheelset_of(inputs)
-    _ = wheelset.geometry.limits(REACH_MM)
+    _ = wheelset.geometry.limits(float(np.abs(laterals).max()))
     times, errors, missing = [], [], 0
-    for lateral in np.linspace(-REACH_MM, REACH_MM, count):
-        moved = wheelset.at(
-            wheelset.problem.load, Prescribed(float(lateral)), wheelset.model.yaw_rad, wheelset.model.rolling
-        )
+    for lateral in laterals.tolist():
+        moved = wheelset.at(wheelset.problem.load, Prescribed(lateral), wheelset.model.yaw_rad, wheelset.model.rolling)
         seconds, found = timed(moved.solve, time.process_time)
         times.append(seconds)
         missing += not found.status.converged
         if found.status.converged:
             errors.append(found.residuals.equilibrium_residual)
+    ends = f"{laterals[0]:g} to {laterals[-1]:g} mm"
     return Measurement(
-        f"further position {name}, mean of {count} from {-REACH_MM:g} to {REACH_MM:g} mm", NO_PEER,
-        float(np.mean(times)), None, max(errors), None, "seconds of the processor; each from its rigid position",
+        f"further position {name}, mean of {len(laterals)} from {ends}", NO_PEER, float(np.mean(times)), None,
+        max(errors), None, "seconds of the processor; each from its rigid position",
         more={
             "slowest_s": max(times), "ten_thousand_on_two_cores_min": 1e4 * float(np.mean(times)) / 120.0,
             "not_found": missing, "asked_s": asked_s,

@@ -158,8 +158,7 @@ def test_half_space_and_remainder_give_the_compliance_on_other_cells(bar) -> Non
     direct = direct.reshape(n_strips, 40, 3, 40, 3)
     stations = (fine.limits[1:] + fine.limits[:-1]) / 2.0
     across, along = surface.interpolation(stations), surface.along(strip * np.arange(n_strips))
-    splines = surface.on_splines.reshape(across.shape[1], 3, -1, across.shape[1], 3)
-    remainder = np.einsum("zk,ia,axkby,jb->zixjy", along, across, splines, across, optimize=True)
+    remainder = np.einsum("zk,ia,xakyb,jb->zixjy", along, across, surface.on_splines, across, optimize=True)
     remainder = np.einsum("iax,zixjy,jby->ziajb", fine.frames, remainder, fine.frames, optimize=True)
     total = half_spaces_on((STEEL,), fine.limits, fine.frames, strip, n_strips) + remainder
     middle = slice(6, 34)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, half_space_influence
@@ -44,6 +45,25 @@ def test_coefficients_are_integrals_of_point_forces() -> None:
         kernel = point_forces(*np.broadcast_arrays(x[:, :, None, None], z))
         exact = np.einsum("ijpqrs,p,q,r,s->ij", kernel, over, over, over, over)
         np.testing.assert_allclose(found[number, i, :, j], exact, atol=1e-12 * abs(exact).max())
+
+
+@pytest.mark.parametrize("distance", [1, 3, 50, 150])
+def test_cells_far_longer_than_wide_keep_their_digits(distance) -> None:
+    """Of strips 160,000 times as long as wide, the mean displacement is that of two lines, averaged over both widths.
+
+    Lines of the length L at the distance d: mean 1/r = 2 (L arsinh(L/d) - sqrt(L^2 + d^2) + d) / L^2.
+    """
+    length, strip = 2000.0, 0.0125
+
+    def lines(apart: float) -> float:
+        d = strip * (distance + apart)
+        mean = 2.0 * (length * np.arcsinh(length / d) - np.hypot(length, d) + d) / length**2
+        return (1.0 - abs(apart)) * mean
+
+    both = sum(quad(lines, *ends, epsabs=0.0, epsrel=1e-11)[0] for ends in ((-1.0, 0.0), (0.0, 1.0)))
+    bounds = length / 2.0 * np.array([-1.0, 1.0])
+    found = half_space_influence(YOUNG, POISSON, bounds, strip, distance + 1, (1,))[distance, 0, 0]
+    assert found == pytest.approx((1.0 - POISSON**2) / (np.pi * YOUNG) * both, rel=1e-10)
 
 
 def test_wrong_cells_are_refused() -> None:

@@ -119,16 +119,23 @@ def half_space_blocks(
     return {pair: full[pair] / (2.0 * np.pi * shear) for pair in pairs}
 
 
-ZERO = 1e-300
-"""A length for none: where a logarithm or a quotient has no limit its factor is 0."""
+ZERO = 1e-100
+"""A length for none: where a logarithm or a quotient has no limit its factor is 0, and no square is too large."""
 _PRIMITIVES: tuple[Primitive, Primitive, Primitive] = (
-    lambda x, z, r: r**3 / 6.0 + x**2 * (z * np.log((z + r) / x) - r) / 2.0,
-    lambda x, z, r: -(x * z * r + (x**3 * np.log((z + r) / x) + z**3 * np.log((x + r) / z)) / 2.0) / 3.0,
+    lambda x, z, r: x**2 * z * (z / (6.0 * (r + z)) - z / (3.0 * (r + x)) + np.arcsinh(z / x) / 2.0),
     lambda x, z, r: (
-        x * (3.0 * z**2 - x**2) / 6.0 * np.log(r) + z**3 * np.arctan(x / z) / 6.0 + x**2 * z * np.arctan(z / x) / 2.0
+        2.0 * (x * z) ** 2 / (3.0 * (r + x + z)) - (x**3 * np.arcsinh(z / x) + z**3 * np.arcsinh(x / z)) / 6.0
+    ),
+    lambda x, z, _: (
+        (3.0 * z**2 * x * np.log1p((x / z) ** 2) - x**3 * np.log1p((z / x) ** 2)) / 12.0
+        + z**3 * np.arctan(x / z) / 6.0
+        + x**2 * z * np.arctan(z / x) / 2.0
     ),
 )
-"""Functions whose ``d4 / dx^2 dz^2`` are z^2 / r^3, x z / r^3 and x / r^2 at x, z > 0, as even or odd as these."""
+"""Functions whose ``d4 / dx^2 dz^2`` are z^2 / r^3, x z / r^3 and x / r^2 at x, z > 0, as even or odd as these.
+
+Terms that are linear in x or z, which the differences remove, are left out: of long cells they would be the largest.
+"""
 
 
 # --- Stresses inside a half-space under uniform tractions on rectangles.

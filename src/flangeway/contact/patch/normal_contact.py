@@ -75,9 +75,9 @@ class Convolution:
         self._spectrum = spectrum.reshape(n_strips + 1, coefficients.shape[2], -1)
 
     def inverted(self) -> "Convolution":
-        """The inverse on twice the strips without ends: near the inverse of this one."""
+        """The inverse on twice the strips without ends: near the inverse of this one, and in single precision."""
         inverse = copy(self)
-        inverse._spectrum, inverse._odd = np.linalg.inv(self._spectrum), self._odd[::-1]
+        inverse._spectrum, inverse._odd = np.linalg.inv(self._spectrum).astype(np.float32), self._odd[::-1]
         return inverse
 
     def transposed(self) -> "Convolution":
@@ -106,6 +106,7 @@ class Convolution:
         for component, odd in enumerate(by):
             on_strips = at_once[:, rows, component].swapaxes(1, 2)
             np.matmul(self._forward[odd], on_strips, out=waves[:, :, component].swapaxes(0, 1))
+        waves = waves.astype(self._spectrum.dtype, copy=False)
         # u_wki = sum over j of f_wkj S_wji for each wavenumber w, real and imaginary parts and all k at once
         spectrum = self._spectrum[:, rows]
         moved_waves = waves.reshape(len(spectrum), -1, spectrum.shape[1]) @ spectrum
@@ -318,15 +319,15 @@ class ElasticSurface:
 
     @cached_property
     def on_splines(self) -> Floats:
-        """`remainder` on the m B-splines of `interpolation`, shape (3 m, n_z, 3 m).
+        """`remainder` on the m B-splines of `interpolation`, shape (3, m, n_z, 3, m).
 
-        By spline and axis of displacement, distance, spline and axis of force. At a place four splines are not zero;
+        By axis and spline of displacement, distance, axis and spline of force. At a place four splines are not zero;
         values at the stations would all have a weight.
         """
         to_splines = make_interp_spline(self.stations, np.eye(len(self.stations)), bc_type="natural").c
         # T_kxzly = sum over stations i, j of S_ki R_zixjy S_lj
         table = to_splines @ self.remainder.transpose(2, 4, 0, 1, 3) @ to_splines.T
-        return table.transpose(3, 0, 2, 4, 1).reshape(3 * len(to_splines), len(self.distances), -1)
+        return np.ascontiguousarray(table.transpose(0, 3, 2, 1, 4))
 
     def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
         """Weights of the cubic B-splines at places along the surface, or of their derivatives, shape (m, n + 2).

@@ -101,7 +101,9 @@ def wheel_gap(
         further = np.abs(wrong) >= MET_MM
         if not further.any():
             break
-        wrong, slope, left = wrong[further], slope[further], np.arange(len(gaps))[left][further]
+        wrong = np.where(further, wrong, 0.0)
+        if 2 * np.count_nonzero(further) < len(further):  # to pick them costs more than a few that stay
+            wrong, slope, left = wrong[further], slope[further], np.arange(len(gaps))[left][further]
         step = np.where(slope < 0.0, -wrong / np.minimum(slope, -1e-3), MAX_STEP_MM * np.sign(wrong))
         gaps[left] += np.clip(step, -MAX_STEP_MM, MAX_STEP_MM)
     first, last = wheel.joints[[0, -1]]
@@ -300,16 +302,16 @@ class GriddedSide:
 
     @cached_property
     def _loads(self) -> tuple[Floats, Floats]:
-        """Unit normal forces on the cells in the axes of rail and wheel on their splines, (3 N, n)."""
+        """Unit normal forces on the cells in the axes of rail and wheel on their splines, (3, N, n)."""
         return self._unit_forces((1,), slice(None))
 
     def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
-        """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
+        """Unit forces along axes of the frames of some cells, as `_loads`: (3, N, n m) for m axes."""
         directions, loads = self.frames[rows][:, axes], []
         for weights, turn in zip(self._weights, self._turns, strict=True):
             in_section = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
-            full = np.einsum("ia,imx->axim", weights[rows], in_section)
-            loads.append(full.reshape(3 * weights.shape[1], -1))
+            full = np.einsum("ia,imx->xaim", weights[rows], in_section)
+            loads.append(full.reshape(3, weights.shape[1], -1))
         return loads[0], loads[1]
 
     @cached_property
@@ -340,9 +342,10 @@ class GriddedSide:
             used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
             near = _loaded(loads)
-            # T_zij = sum over splines k, l and tabulated distances w of A_zw L_ki R_kwl L_lj
-            by_force = elastic.on_splines[near, :used, near] @ loads[near]
-            on_cells = np.tensordot(loads[near], by_force, axes=([0], [0]))
+            table, near_loads = elastic.on_splines[(*near, slice(used), *near)], loads[near].reshape(-1, loads.shape[2])
+            # T_zij = sum over splines k, l with their axes and tabulated distances w of A_zw L_ki R_kwl L_lj
+            by_force = table.reshape(-1, len(near_loads)) @ near_loads
+            on_cells = (near_loads.T @ by_force.reshape(len(near_loads), -1)).reshape(loads.shape[2], used, -1)
             total += (along @ on_cells).swapaxes(0, 1)
         return total
 
@@ -369,8 +372,8 @@ class GriddedSide:
         moved = []
         for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
             near = _loaded(loads)
-            in_section = (elastic.on_splines[:, 0, near] @ loads[near]).reshape(-1, 3, loads.shape[1])[:, :2]
-            moved.append(np.einsum("xy,ayj->axj", turn, in_section))
+            moved_splines = np.tensordot(elastic.on_splines[:2, :, 0][(..., *near)], loads[near])
+            moved.append(np.einsum("xy,yaj->axj", turn, moved_splines))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
         wheel = np.einsum("ia,axj->ixj", wheel_weights, moved[1])
         slope = self.surfaces.rail_elastic.interpolation(grid.stations, 1)
@@ -388,7 +391,7 @@ class GriddedSide:
         row = forces.sum(axis=1)
         shares = self.turned(row, across)[1]
         load = loads @ row + self._unit_forces((0,), slice(None))[0] @ (shares + across)
-        moved = -elastic.interpolation(elastic.stations) @ (elastic.on_splines[:, 0] @ load).reshape(-1, 3)[:, :2]
+        moved = -elastic.interpolation(elastic.stations) @ np.tensordot(elastic.on_splines[:2, :, 0], load).T
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
         x, y = (points - top).T
@@ -487,10 +490,10 @@ class GriddedSide:
         return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
 
 
-def _loaded(loads: Floats) -> slice:
-    """The rows of unit forces on splines, (3 N, n), from the first to the last one that is not zero."""
-    near = np.flatnonzero(loads.any(axis=1))
-    return slice(int(near[0]), int(near[-1]) + 1)
+def _loaded(loads: Floats) -> tuple[slice, slice]:
+    """The axes and splines of unit forces on these, (3, N, n), from the first to the last one that is not zero."""
+    axes, splines = (np.flatnonzero(loads.any(axis=rest)) for rest in ((1, 2), (0, 2)))
+    return slice(0, int(axes[-1]) + 1), slice(int(splines[0]), int(splines[-1]) + 1)
 
 
 def _modes(bending: Floats) -> tuple[Floats, Floats]:
