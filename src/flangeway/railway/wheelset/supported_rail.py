@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from flangeway.checks import check_integer, check_positive, is_finite, refused
+from flangeway.checks import check_positive, is_finite, refused
 from flangeway.elements import Lagrange, Reconstruction
 from flangeway.elements.quadrature import edge_shapes
 from flangeway.errors import InputError, short
@@ -74,8 +74,6 @@ class RailSupport:
         Distance of the wheel from the last sleeper over the spacing: 0 over it, 0.5 in the middle, below 1.
     pad_length_mm
         Length of the seat along the rail.
-    n_sleepers
-        Sleepers that act one by one, about the wheel; odd, 5 to 101. There must be as many as carry load.
 
     Raises
     ------
@@ -92,7 +90,6 @@ class RailSupport:
     roll_kNm_per_rad: float = 300.0  # noqa: N815
     position: float = 0.0
     pad_length_mm: float = 150.0
-    n_sleepers: int = 21
 
     def __post_init__(self) -> None:
         owner = "RailSupport"
@@ -106,9 +103,6 @@ class RailSupport:
             raise refused(owner, "pad_length_mm", self.pad_length_mm, "at most spacing_mm", "shorten the pads")
         if not (is_finite(self.position) and 0.0 <= self.position < 1.0):
             raise refused(owner, "position", self.position, "0 (over a sleeper) to 1, excluded", "give the share")
-        check_integer(owner, "n_sleepers", self.n_sleepers, 5, 101)
-        if self.n_sleepers % 2 == 0:
-            raise refused(owner, "n_sleepers", self.n_sleepers, "an odd number", "add one")
 
     @property
     def of_seat(self) -> Floats:
@@ -120,17 +114,12 @@ class RailSupport:
         """The same over the spacing, shape (3,)."""
         return self.of_seat / self.spacing_mm
 
-    @property
-    def sleepers_mm(self) -> Floats:
-        """Places of the sleepers along z from the wheel, shape (n_sleepers,); none if the support is continuous."""
-        if self.kind == "continuous":
-            return np.empty(0)
-        half = self.n_sleepers // 2
+    def sleepers_mm(self, number: int) -> Floats:
+        """Places along z from the wheel of an odd number of sleepers about it, shape (number,)."""
+        half = number // 2
         # the last sleeper is behind the wheel, at z < 0; about as many are before as behind it
         first = -half if self.position <= 0.5 else -half + 1
-        positions: Floats = self.spacing_mm * (
-            np.arange(first, first + self.n_sleepers, dtype=np.float64) - self.position
-        )
+        positions: Floats = self.spacing_mm * (np.arange(first, first + number, dtype=np.float64) - self.position)
         return positions
 
 
@@ -183,6 +172,8 @@ WAVENUMBERS = (5e-6, 0.3)
 """Range per mm: from the reach of torsion on the share that is spread to waves of 20 mm."""
 PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
+N_SLEEPERS = (21, 41, 61, 81, 101)
+"""Sleepers about the wheel that act one by one: the first number that the load does not reach beyond."""
 MAX_LAST_LOAD = 0.02
 """Load of the last sleepers relative to that of the most loaded one, above which there are too few."""
 MAX_OFF_MM = 3.0
@@ -300,29 +291,43 @@ class SupportedRail:
         """Amplitudes by the base's modes with the share `SPREAD` of the support, (n_k, n_dofs, 3, 3 modes)."""
         return self.released(self.by_modes)
 
-    @cached_property
+    @property
+    def sleepers_mm(self) -> Floats:
+        """Places of the sleepers along z from the wheel, shape (n_sleepers,); none if the support is continuous."""
+        return self._seats[0]
+
+    @property
     def seat_stiffness(self) -> Floats:
         """Forces of seats (minus) by the displacements that others cause there, (n_sleepers, 3, n_sleepers, 3).
 
-        ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them. An `InputError` if
-        the load reaches beyond the last ones.
+        ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them. As many sleepers
+        act one by one as the load reaches: a crossing, which is stiffer than a rail, spreads it over more. An
+        `InputError` if these are more than `N_SLEEPERS`.
         """
-        sleepers = self.support.sleepers_mm
-        n = len(sleepers)
-        even, _ = self.weights_at(sleepers - sleepers[:1], self.support.pad_length_mm, 2)
+        return self._seats[1]
+
+    @cached_property
+    def _seats(self) -> tuple[Floats, Floats]:
+        support, last = self.support, 0.0
+        if support.kind == "continuous":
+            return np.empty(0), np.empty((0, 3, 0, 3))
+        distances: Floats = support.spacing_mm * np.arange(float(N_SLEEPERS[-1]))
+        even, _ = self.weights_at(distances, support.pad_length_mm, 2)
         by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
-        apart = np.abs(np.arange(n)[:, None] - np.arange(n))
-        between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
-        compliance = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
-        # a load over the middle sleeper, each along its own mode
-        carried = np.abs(np.einsum("sma,am->sm", compliance.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
-        if (carried[[0, -1]] > MAX_LAST_LOAD * carried.max(axis=0)).any():
-            raise InputError(
-                f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
-                f"as many as the load reaches, with less than {MAX_LAST_LOAD:g} there",
-                "raise the stiffness of the seats or n_sleepers, or take a continuous support",
-            )
-        return compliance.reshape(n, 3, n, 3)
+        for n in N_SLEEPERS:
+            apart = np.abs(np.arange(n)[:, None] - np.arange(n))
+            between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+            stiffness = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * support.of_seat), n)))
+            # a load over the middle sleeper, each along its own mode
+            carried = np.abs(np.einsum("sma,am->sm", stiffness.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
+            last = float((carried[[0, -1]] / carried.max(axis=0)).max())
+            if last <= MAX_LAST_LOAD:
+                return support.sleepers_mm(n), stiffness.reshape(n, 3, n, 3)
+        raise InputError(
+            f"a load that reaches beyond {N_SLEEPERS[-1]} sleepers, the last with {last:.2g} of the largest load",
+            f"seats on which less than {MAX_LAST_LOAD:g} reaches it",
+            "raise the stiffness or the spacing of the seats, or take a continuous support",
+        )
 
     def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
         """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
@@ -347,7 +352,7 @@ class SupportedRail:
         By reciprocity they are also the displacements of the seats by unit forces at the points.
         """
         at_points = np.einsum("np,knpim->knim", shares, self.by_seats[:, nodes])
-        even, odd = self.weights_at(-self.support.sleepers_mm, self.support.pad_length_mm, 1)
+        even, odd = self.weights_at(-self.sleepers_mm, self.support.pad_length_mm, 1)
         displacements = np.einsum("sk,knim->nism", even, at_points)
         displacements[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
         return displacements
@@ -402,7 +407,7 @@ def sleeper_compliance(rail: SupportedRail, points: Floats, frames: Floats) -> F
         return np.zeros((len(points), 3, len(points), 3))
     nodes, shares = rail.on_surface(points)
     seats = rail.seats_from(nodes, shares)
-    n, n_loads = len(points), 3 * rail.support.n_sleepers
+    n, n_loads = len(points), 3 * len(rail.sleepers_mm)
     in_axes = np.einsum("nai,nim->nam", frames, seats.reshape(n, 3, n_loads)).reshape(3 * n, n_loads)
     taken = in_axes @ rail.seat_stiffness.reshape(n_loads, n_loads) @ in_axes.T
     fields = np.einsum("nai,np,knpim->knam", frames, shares, rail.by_modes[:, nodes], optimize=True)
@@ -612,7 +617,7 @@ def _along(
         rail.on_base(even[0][..., None])[..., 0],
         head,
         outward,
-        rail.support.sleepers_mm,
+        rail.sleepers_mm,
         reactions / (1.0 - SPREAD),
         _stresses(rail, profile, z, even, odd),
     )
@@ -628,7 +633,7 @@ def _summed(rail: SupportedRail, by_forces: Floats, reactions: Floats, z: Floats
 
     The first of the two is the sum, the second that of amplitudes times wavenumbers.
     """
-    wavenumbers, sleepers = rail.wavenumbers, rail.support.sleepers_mm
+    wavenumbers, sleepers = rail.wavenumbers, rail.sleepers_mm
     even, odd = rail.weights_at(z, LOADED_MM, 1)
     # sources: forces in the section, and along z, whose waves are a quarter of a length ahead; modes of the seats
     cosine, sine = np.zeros((2, len(z), len(wavenumbers), 5))

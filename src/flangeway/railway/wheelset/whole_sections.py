@@ -166,7 +166,7 @@ def _sleepers(
 
     def of(cut: _Cut) -> Callable[[int, Floats], Floats]:
         of_seats = (1.0 - SPREAD) * result.rails[cut.side].reactions
-        apart = cut.z - support.sleepers_mm
+        apart = cut.z - result.rails[cut.side].sleepers_mm
         seats = np.stack(
             [weights.T @ of_seats for weights in weights_at(low, apart, support.pad_length_mm, 1)], axis=-1
         )
