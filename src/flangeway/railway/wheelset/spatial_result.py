@@ -37,6 +37,8 @@ from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 
+RIGID_MM = 1e-6
+"""Difference of lateral positions of rigid wheels that is round-off."""
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""
 NO_ELLIPSE = 0.8
@@ -254,8 +256,11 @@ def solve_position(
     ]
     lateral, position = problem.prescribed.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
-    hangs = not status.converged and not all(side_state.forces.any() for side_state in equilibrium.state.sides.values())
-    if (rise > CLIMBED_MM and status.converged) or (lateral is not None and (rise > CLIMBED_MM or hangs)):
+    # where rigid wheels stand at the lateral position, what is not balanced says more than a wheel in the air
+    stands = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) < RIGID_MM
+    hangs = lateral is not None and not (status.converged or stands)
+    hangs = hangs and not all(side_state.forces.any() for side_state in equilibrium.state.sides.values())
+    if hangs or (rise > CLIMBED_MM and (status.converged or lateral is not None)):
         reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
         reason += (
             "a wheel is in the air"
