@@ -82,7 +82,6 @@ WRONG = {
     "pad_length_mm": lambda: RailSupport(pad_length_mm=601.0),
     "position=1": lambda: RailSupport(position=1.0),
     "position='over'": lambda: RailSupport(position="over"),
-    "n_sleepers": lambda: RailSupport(n_sleepers=20),
     "rim_mm": lambda: disc(rim_mm=0.0),
     "web_middle_mm": lambda: disc(web_middle_mm=(0.0, math.inf)),
     "a hub from 10 to 10 mm": lambda: disc(hub_mm=(10.0, 10.0)),
