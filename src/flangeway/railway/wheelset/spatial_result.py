@@ -256,22 +256,19 @@ def solve_position(
     ]
     lateral, position = problem.prescribed.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
-    # where rigid wheels stand at the lateral position, what is not balanced says more than a wheel in the air
-    stands = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) < RIGID_MM
-    hangs = lateral is not None and not (status.converged or stands)
-    hangs = hangs and not all(side_state.forces.any() for side_state in equilibrium.state.sides.values())
-    if hangs or (rise > CLIMBED_MM and (status.converged or lateral is not None)):
+    # where rigid wheels stand at the lateral position, what is not balanced says more
+    beyond = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) > RIGID_MM
+    climbs = rise > CLIMBED_MM and (status.converged or lateral is not None)
+    if climbs or (beyond and not status.converged):
         reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
-        reason += (
-            "a wheel is in the air"
-            if hangs
-            else sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
-        )
+        reason += sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
+        if not climbs:
+            reason = "no equilibrium, where rigid wheels climb or stand on the end of a running surface"
         if lateral is not None:
             raise InputError(
                 sentence("{lateral_mm = :g}: {}", lateral, reason),
                 sentence(
-                    "a position at which no flange climbs, rigid ones up to {:.1f mm}", wheelset.start.motion.lateral_mm
+                    "a position at which wheels stand, rigid ones up to {:.1f mm}", wheelset.start.motion.lateral_mm
                 ),
                 "give a smaller lateral_mm",
             )
