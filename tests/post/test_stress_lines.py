@@ -202,6 +202,23 @@ def test_uneven_cells_of_two_patches_carry_their_whole_load() -> None:
     assert field.von_mises[1:].reshape(2, -1).T[::7] == pytest.approx(mises, rel=2e-3)
 
 
+@pytest.mark.parametrize("force_of_other", [1.0, 1e3])
+def test_a_narrow_patch_far_from_another_one_has_the_stresses_of_both(force_of_other) -> None:
+    """To 0.1 % of its maximum pressure; a light patch 60 mm away is left out, a heavy one needs its cells there."""
+    narrow, wide = np.linspace(0.0, 0.4, 9), np.linspace(60.0, 64.0, 9)
+    ends = np.concatenate([np.stack((each[:-1], each[1:]), axis=1) for each in (narrow, wide)])
+    z, pressures = 0.5 * np.arange(120.0), np.zeros((16, 120))
+    pressures[:8, 2:8], pressures[8:, 90:100] = 1000.0, 5.0 * force_of_other
+    inside = np.zeros_like(pressures, dtype=bool)
+    inside[:8, 2:8] = True
+    depths = np.array([0.1, 0.4, 2.0])
+    field = stress_field(ends, z, pressures[..., None], inside, depths, 0.3)
+    columns = np.stack(np.meshgrid(field.along, field.z, indexing="ij"), axis=-1).reshape(-1, 2)[::5]
+    mises = by_cells(ends, z, pressures, columns, depths, 0.3)[0].reshape(-1, 3)
+    assert field.von_mises.reshape(3, -1).T[::5] == pytest.approx(mises, abs=1.0)
+    assert len(field.z) == 6 + 2 * 3
+
+
 @pytest.mark.ci
 def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
     """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre on the right, 634 MPa beside it."""

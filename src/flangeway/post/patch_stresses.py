@@ -23,6 +23,8 @@ CELLS_AROUND = 3
 """Cells around a patch below which stresses are computed: tension is greatest at its edge."""
 BELOW_BOUND = 1.0 - 1e-9
 """Part of a bound that counts as reaching it, for round-off."""
+FAR_STRESS = 1e-3
+"""Stresses by loads that are left out, at most, relative to the maximum pressure of the patch."""
 ROUND_OFF = 1e-6
 """Part of the width of a cell that is none."""
 
@@ -311,19 +313,34 @@ def stress_field(
     """
     rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
     widths, strip = np.diff(ends, axis=1)[:, 0], float(z[1] - z[0])
-    loaded = np.flatnonzero(tractions.any(axis=(1, 2)))
     first, last, width = ends[rows[0], 0], ends[rows[-1], 1], float(widths[rows].min())
+    # a force F at the distance R gives stresses up to 3 F / 2 pi R^2: those far away that hardly change them are left
+    # out, or a narrow patch would need its cells up to all others
+    forces = np.linalg.norm(tractions, axis=2) * widths[:, None] * strip
+    middles, box = (ends.mean(axis=1), z), ((first, last), (z[strips[0]], z[strips[-1]]))
+    ways = [np.maximum(np.maximum(low - at, at - high), 0.0) for at, (low, high) in zip(middles, box, strict=True)]
+    apart = np.hypot(ways[0][:, None], ways[1])
+    changes = np.divide(1.5 / np.pi * forces, apart**2, out=np.full(forces.shape, np.inf), where=apart > 0.0)
+    least = np.argsort(changes, axis=None)
+    few = least[np.cumsum(changes.ravel()[least]) < FAR_STRESS * tractions[inside, 0].max()]
+    tractions = tractions.copy()
+    tractions.reshape(-1, tractions.shape[2])[few] = 0.0
     # even rows from an end of the patch on, as far as there are loads; rows of other patches share theirs by overlap
+    loaded, ahead_of = (np.flatnonzero(tractions.any(axis=axes)) for axes in ((1, 2), (0, 2)))
+    window = slice(int(ahead_of[0]), int(ahead_of[-1]) + 1)
+    tractions, z, strips = tractions[:, window], z[window], strips - window.start
     before = int(np.ceil((first - ends[loaded[0], 0]) / width - ROUND_OFF))
     count = before + int(np.ceil((ends[loaded[-1], 1] - first) / width - ROUND_OFF))
     edges = first + width * (np.arange(count + 1, dtype=np.float64) - before)
     overlap = np.minimum(edges[1:, None], ends[:, 1]) - np.maximum(edges[:-1, None], ends[:, 0])
     even = np.einsum("ij,jzc->izc", np.maximum(overlap, 0.0) / width, tractions)
     field = half_space_field(even, (width, strip), depths, poisson, CELLS_AROUND)
-    middles = edges[0] + width * (np.arange(count + 2 * CELLS_AROUND) - CELLS_AROUND + 0.5)
-    near = np.flatnonzero((middles > first - CELLS_AROUND * width) & (middles < last + CELLS_AROUND * width))
+    along_surface = edges[0] + width * (np.arange(count + 2 * CELLS_AROUND) - CELLS_AROUND + 0.5)
+    near = np.flatnonzero(
+        (along_surface > first - CELLS_AROUND * width) & (along_surface < last + CELLS_AROUND * width)
+    )
     # the field's strips begin `CELLS_AROUND` ones before the first
     along = slice(int(strips[0]), int(strips[-1]) + 2 * CELLS_AROUND + 1)
     part = np.moveaxis(field[:, :, near[0] : near[-1] + 1, along], 0, -1) * TO_AXES
     every: Floats = z[0] + strip * (np.arange(len(z) + 2 * CELLS_AROUND) - CELLS_AROUND)
-    return StressField(middles[near], every[along], depths, part)
+    return StressField(along_surface[near], every[along], depths, part)
