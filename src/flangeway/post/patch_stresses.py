@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+from numpy.polynomial.chebyshev import chebvander
 
 from flangeway.contact.patch.patch_contact import MIN_WAVENUMBER, ContactEllipse, PatchContact
 from flangeway.contact.patch.patch_grid import PatchBody, points_along
@@ -23,8 +24,11 @@ CELLS_AROUND = 3
 """Cells around a patch below which stresses are computed: tension is greatest at its edge."""
 BELOW_BOUND = 1.0 - 1e-9
 """Part of a bound that counts as reaching it, for round-off."""
-FAR_STRESS = 1e-3
-"""Stresses by loads that are left out, at most, relative to the maximum pressure of the patch."""
+FAR_NODES, FAR_BLOCKS = (5, 7), 8.0
+"""Points across and along the patch at which stresses by loads that are far away are computed, and distance of these
+relative to the blocks that they are taken together in: within 0.5 % of what they add."""
+FAR_DEPTH = 1e-3
+"""Depth relative to these blocks that is the surface: there sums in line with their ends are lost in round-off."""
 ROUND_OFF = 1e-6
 """Part of the width of a cell that is none."""
 
@@ -314,17 +318,14 @@ def stress_field(
     rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
     widths, strip = np.diff(ends, axis=1)[:, 0], float(z[1] - z[0])
     first, last, width = ends[rows[0], 0], ends[rows[-1], 1], float(widths[rows].min())
-    # a force F at the distance R gives stresses up to 3 F / 2 pi R^2: those far away that hardly change them are left
-    # out, or a narrow patch would need its cells up to all others
-    forces = np.linalg.norm(tractions, axis=2) * widths[:, None] * strip
-    middles, box = (ends.mean(axis=1), z), ((first, last), (z[strips[0]], z[strips[-1]]))
+    box = np.array([[first, last], [z[strips[0]], z[strips[-1]]]])
+    box += np.outer((width, strip), (-CELLS_AROUND, CELLS_AROUND))
+    middles = ends.mean(axis=1), z
     ways = [np.maximum(np.maximum(low - at, at - high), 0.0) for at, (low, high) in zip(middles, box, strict=True)]
-    apart = np.hypot(ways[0][:, None], ways[1])
-    changes = np.divide(1.5 / np.pi * forces, apart**2, out=np.full(forces.shape, np.inf), where=apart > 0.0)
-    least = np.argsort(changes, axis=None)
-    few = least[np.cumsum(changes.ravel()[least]) < FAR_STRESS * tractions[inside, 0].max()]
-    tractions = tractions.copy()
-    tractions.reshape(-1, tractions.shape[2])[few] = 0.0
+    # stresses by loads farther from there than it is wide, and than half of its length, are smooth
+    apart, far = np.hypot(ways[0][:, None], ways[1]), max(float(np.ptp(box[0])), float(np.ptp(box[1])) / 2.0)
+    distant = (apart > far)[..., None] * tractions
+    tractions, z_ends = tractions - distant, z - strip / 2.0
     # even rows from an end of the patch on, as far as there are loads; rows of other patches share theirs by overlap
     loaded, ahead_of = (np.flatnonzero(tractions.any(axis=axes)) for axes in ((1, 2), (0, 2)))
     window = slice(int(ahead_of[0]), int(ahead_of[-1]) + 1)
@@ -341,6 +342,44 @@ def stress_field(
     )
     # the field's strips begin `CELLS_AROUND` ones before the first
     along = slice(int(strips[0]), int(strips[-1]) + 2 * CELLS_AROUND + 1)
-    part = np.moveaxis(field[:, :, near[0] : near[-1] + 1, along], 0, -1) * TO_AXES
     every: Floats = z[0] + strip * (np.arange(len(z) + 2 * CELLS_AROUND) - CELLS_AROUND)
-    return StressField(along_surface[near], every[along], depths, part)
+    below = along_surface[near], every[along]
+    part = field[:, :, near[0] : near[-1] + 1, along]
+    if distant.any():
+        cells = ends, np.stack((z_ends, z_ends + strip), axis=1)
+        size = float(apart[distant.any(axis=2)].min()) / FAR_BLOCKS
+        part = part + _by_distant(cells, distant, size, below, np.maximum(depths, FAR_DEPTH * size), poisson)
+    return StressField(*below, depths, np.moveaxis(part, 0, -1) * TO_AXES)
+
+
+def _by_distant(
+    cells: tuple[Floats, Floats],
+    tractions: Floats,
+    size: float,
+    below: tuple[Floats, Floats],
+    depths: Floats,
+    poisson: float,
+) -> Floats:
+    """Stresses by cells that are far away, taken together in blocks, from a few points: (6, k, n, m).
+
+    - `cells`: their ends across and along z, (n_cells, 2) and (n_strips, 2).
+    - `size`: of the blocks.
+    - `below`: lengths along the surface and z of the points, (n,) and (m,).
+    """
+    forces = tractions * np.diff(cells[0], axis=1)[:, :, None] * np.diff(cells[1], axis=1)[:, 0, None]
+    blocks, nodes, weights = [], [], []
+    for axis, (ends, at, count) in enumerate(zip(cells, below, FAR_NODES, strict=True)):
+        _, begin = np.unique(np.floor((ends[:, 0] - ends[0, 0]) / size), return_index=True)
+        forces = np.add.reduceat(forces, begin, axis=axis)
+        blocks.append(np.stack((ends[begin, 0], ends[np.append(begin[1:], len(ends)) - 1, 1]), axis=1))
+        middle, half = (at[-1] + at[0]) / 2.0, max((at[-1] - at[0]) / 2.0, ROUND_OFF * size)
+        local = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+        nodes.append(middle + half * local)
+        weights.append(chebvander((at - middle) / half, count - 1) @ np.linalg.inv(chebvander(local, count - 1)))
+    means = forces / np.diff(blocks[0], axis=1)[:, :, None] / np.diff(blocks[1], axis=1)[:, 0, None]
+    points = np.stack(np.meshgrid(nodes[0], depths, nodes[1], indexing="ij"), axis=-1).reshape(-1, 3)
+    shears = means[..., 1:] if means.shape[2] > 1 else None
+    stresses = half_space_stresses(blocks[0], blocks[1], means[..., 0], points, poisson, shears)
+    # s_pkij = sum over nodes a, b of W_ia W_jb s_akbp
+    at_nodes = stresses.reshape(FAR_NODES[0], len(depths), FAR_NODES[1], 6)
+    return np.asarray(np.einsum("ia,jb,akbp->pkij", *weights, at_nodes, optimize=True))
