@@ -339,7 +339,8 @@ class GriddedSide:
         total = half_spaces_on(self.surfaces.materials, bounds, frames, grid.strip, n_distances, axes)
         total = total.reshape(n_distances, len(frames) * len(axes), -1)
         for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
-            used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, grid.n_strips))) + 3
+            longest = grid.strip * max(n_distances, grid.n_strips)
+            used = min(int(np.searchsorted(elastic.distances, longest)) + 3, len(elastic.distances))
             along = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, :used]
             near = _loaded(loads)
             table, near_loads = elastic.on_splines[(*near, slice(used), *near)], loads[near].reshape(-1, loads.shape[2])

@@ -145,13 +145,14 @@ class WheelsetNewton:
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
+        if len(self.errors) > 1:  # steps were taken on the cells before
+            self.across = self.across.again(float(MAX_STEP[0]))
         self.errors = [max(self.errors[-1], ERROR_OF_CELLS)]
         self._slopes = {
             side: slopes.on_cells(self.sides[side].grid.grid, grids[side].grid)
             for side, slopes in self._slopes.items()
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
-        self.across = self.across.again(float(MAX_STEP[0]))
         for number, (side, grid) in enumerate(grids.items()):
             if near is not None and side in self.sides and grid is self.sides[side].grid:
                 continue  # its contact is known
