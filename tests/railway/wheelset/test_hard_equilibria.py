@@ -18,6 +18,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheelset_newton import WheelsetNewton
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -169,6 +170,38 @@ def test_a_step_limit_shrinks_with_the_sense_of_steps_and_recovers():
     for _ in range(30):
         reach.last = reach.limit_of(1.0, halved=False)
     assert reach.limit == pytest.approx(1.0)
+
+
+def cells_of_the_middle():
+    """The wheelset S1002 on 60E1, its rigid position, and coarse cells there."""
+    case = coarse_case()
+    surfaces = surfaces_of("S1002", "60E1", case.rail_inclination)
+    wheelset = SpatialWheelset(case.problem(), surfaces, case.spatial_model())
+    position = wheelset.start.motion
+    return wheelset, position, wheelset.whole(position, None, {})
+
+
+def test_cells_that_are_chosen_twice_at_one_position_keep_the_way_to_it():
+    """Where it was forgotten, a wheelset that had gone too far went on in the same steps back and forth."""
+    wheelset, position, grids = cells_of_the_middle()
+    newton = WheelsetNewton(wheelset.problem, grids, position, 0.0, np.zeros((2, 2, 3)), None, None)
+    newton.linearise(1e-3)
+    newton.across = Reach(1.2, 1.2, last=-1.2)
+    for _ in range(2):
+        newton.place(grids, newton.contact)
+    assert newton.across.last < 0.0
+    assert newton.across.limit < 1.2
+
+
+def test_cells_farther_apart_than_the_compliances_are_tabulated_have_coefficients():
+    """Those of a wheelset at a large yaw, half a metre apart along the track: they fall with the distance."""
+    _, _, grids = cells_of_the_middle()
+    grid = grids["right"]
+    coefficients = grid.coefficients_of((1,), slice(10, 14), int(500.0 / grid.grid.strip))
+    near, middle, far = (coefficients[place].diagonal() for place in (0, len(coefficients) // 2, -1))
+    assert (near > middle).all()
+    assert (middle > far).all()
+    assert (far > 0.0).all()
 
 
 X = np.linspace(-30.0, 30.0, 601)
