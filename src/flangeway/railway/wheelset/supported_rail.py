@@ -311,10 +311,11 @@ class SupportedRail:
         support, last = self.support, 0.0
         if support.kind == "continuous":
             return np.empty(0), np.empty((0, 3, 0, 3))
-        distances: Floats = support.spacing_mm * np.arange(float(N_SLEEPERS[-1]))
-        even, _ = self.weights_at(distances, support.pad_length_mm, 2)
-        by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
+        on_base = self.on_base(self.by_seats)
         for n in N_SLEEPERS:
+            distances: Floats = support.spacing_mm * np.arange(float(n))
+            even, _ = self.weights_at(distances, support.pad_length_mm, 2)
+            by_distance = np.einsum("zk,kam->zam", even, on_base)
             apart = np.abs(np.arange(n)[:, None] - np.arange(n))
             between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
             stiffness = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * support.of_seat), n)))
