@@ -12,6 +12,7 @@ from flangeway.contact.patch.patch_grid import Axis, PatchGrid
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import fastsim, polach
 from flangeway.contact.rolling.friction import Friction, Heating, SlopeReduction
+from flangeway.contact.rolling.friction_solver import _solved
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -32,6 +33,18 @@ def ellipse(
     s = (bounds[1:] + bounds[:-1]) / 2.0
     pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - grid.along**2, 0.0))
     return RollingContact.between_half_spaces(grid, pressures, friction or Friction(MU), materials)
+
+
+@given(seed=st.integers(0, 10**6), n_right=st.integers(1, 3))
+@settings(settings.get_profile("costly"))
+def test_linear_equations_without_an_inverse_nearby_need_many_krylov_vectors(seed, n_right) -> None:
+    """More than there is room for at first: the residual is that asked for, also of right-hand sides alike."""
+    random = np.random.default_rng(seed)
+    matrix = np.diag(np.geomspace(1.0, 1e3, 70)) + random.normal(size=(70, 70))
+    right = random.normal(size=(n_right, 70))
+    right[-1] = 2.0 * right[0]
+    solution = _solved(lambda values: values @ matrix.T, lambda values: values, right, 1e-8)
+    assert np.linalg.norm(solution @ matrix.T - right, axis=1).max() < 1.1e-8 * np.linalg.norm(right, axis=1).max()
 
 
 @pytest.fixture(scope="module")

@@ -131,8 +131,9 @@ MAX_STEPS = 60
 FORCING = (1e-2, 0.1)
 """Residual of the linear equations relative to that before, least and most: Newton's method is far from its end at
 first (Eisenstat and Walker, 1996, SIAM Journal on Scientific Computing 17, choice 2 with 0.9 and 2)."""
-MAX_BLOCKS, DEPENDENT = 120, 1e-10
-"""Blocks of Krylov vectors, at most, and eigenvalue of their Gram matrix below which they depend on each other."""
+USUAL_BLOCKS, MAX_BLOCKS, DEPENDENT = 20, 120, 1e-10
+"""Blocks of Krylov vectors that there is room for at first, and at most, and eigenvalue of their Gram matrix below
+which they depend on each other."""
 DECREASE, MIN_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
@@ -444,8 +445,8 @@ def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Float
     residual = right.reshape(len(right), -1)
     enough = tolerance * np.linalg.norm(residual, axis=1)
     k, new, n = len(right), residual, 0
-    directions, images = np.empty((2, MAX_BLOCKS * k, residual.shape[1]))
-    mixed, along = np.eye(len(images)), np.empty((k, len(images)))
+    directions, images = np.empty((2, USUAL_BLOCKS * k, residual.shape[1]))
+    mixed, along = np.eye(MAX_BLOCKS * k), np.empty((k, MAX_BLOCKS * k))
     for _ in range(MAX_BLOCKS):
         direction = near(new.reshape(-1, *shape)).reshape(new.shape)
         new = law(direction.reshape(-1, *shape)).reshape(new.shape)
@@ -458,6 +459,8 @@ def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Float
         apart = values > DEPENDENT
         combined = vectors[:, apart].T / np.sqrt(values[apart, None]) / size.T
         new, last = combined @ new, n + int(apart.sum())
+        if last > len(images):
+            directions, images = (np.concatenate((kept, np.empty_like(kept))) for kept in (directions, images))
         directions[n:last], images[n:last], mixed[n:last, :n] = combined @ direction, new, combined @ parts
         along[:, n:last] = residual @ new.T
         residual, n = residual - along[:, n:last] @ new, last
