@@ -131,7 +131,10 @@ def test_a_position_is_the_mirror_image_of_the_opposite_one(few_points):
         compute_position(PositionTask(COARSE, (-0.5, -2.0, 100.0), "table")),
     )
     for name in {*computed} - {"force_errors", "moment_errors"}:
-        np.testing.assert_allclose(found[name], computed[name], rtol=1e-9, atol=1e-9, err_msg=name)
+        # numbers that are stored in single precision may be rounded to its neighbouring values
+        single = np.asarray(computed[name]).dtype == np.float32
+        limit = 2.0 * np.finfo(np.float32).eps if single else 1e-9
+        np.testing.assert_allclose(found[name], computed[name], rtol=limit, atol=1e-9, err_msg=name)
     curve = COARSE.from_values({**COARSE.model_dump(exclude_unset=True), "lateral_force_kN": 10.0})
     assert not _Build(TableRequest(curve, [0.0], [0.0], [100.0]), 1, lambda _: None).symmetric
 

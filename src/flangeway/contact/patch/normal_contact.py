@@ -221,7 +221,8 @@ def solve_normal(
         forces *= scale
         # a whole step moves as its direction does
         moved = influence(forces) if cut or closed.any() else scale * (moved - step * bent)
-        change = float(np.abs(forces - before).sum()) / max(float(forces.sum()), np.finfo(float).tiny)
+        total = float(forces.sum())
+        change = float(np.abs(forces - before).sum()) / total if total > 0.0 else np.inf
         # a small change counts if its direction was that of the residual
         small = change < tolerance and not closed.any()
         done, restart = small and restart, small or entering or bool(closed.any())

@@ -263,7 +263,7 @@ def solve_position(
         reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
         reason += sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
         if not climbs:
-            reason = "no equilibrium, where rigid wheels climb or stand on the end of a running surface"
+            reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
         if lateral is not None:
             raise InputError(
                 sentence("{lateral_mm = :g}: {}", lateral, reason),
