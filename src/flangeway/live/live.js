@@ -505,16 +505,18 @@ async function runAlone(button, progress, work) {
   const stopped = lasting && ask("cancel", {});
   lasting = current;
   await stopped;
-  if (stops) return;
-  button.textContent = "Stop";
-  try {
-    await work(words => { progress.textContent = words; return lasting === current; });
-  } catch (error) {
-    if (error.status !== 409) failed(error);
+  if (!stops) {
+    button.textContent = "Stop";
+    try {
+      await work(words => { progress.textContent = words; return lasting === current; });
+    } catch (error) {
+      if (error.status !== 409) failed(error);
+    }
+    button.textContent = caption;
+    if (lasting !== current) return; // who stopped it asks for the position: asked here, it could be stopped as well
+    lasting = null;
   }
-  button.textContent = caption;
-  if (lasting === current) lasting = null;
-  if (!lasting && $("facts").classList.contains("stale")) loadPosition();
+  if ($("facts").classList.contains("stale")) loadPosition();
 }
 
 async function sweep(goesOn) {
