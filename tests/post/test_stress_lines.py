@@ -204,7 +204,7 @@ def test_uneven_cells_of_two_patches_carry_their_whole_load() -> None:
 
 @pytest.mark.parametrize("force_of_other", [1.0, 1e3])
 def test_a_narrow_patch_far_from_another_one_has_the_stresses_of_both(force_of_other) -> None:
-    """To 0.1 % of its maximum pressure; a light patch 60 mm away is left out, a heavy one needs its cells there."""
+    """To 0.1 % of its maximum pressure, under a light patch and under a heavy one 60 mm away."""
     narrow, wide = np.linspace(0.0, 0.4, 9), np.linspace(60.0, 64.0, 9)
     ends = np.concatenate([np.stack((each[:-1], each[1:]), axis=1) for each in (narrow, wide)])
     z, pressures = 0.5 * np.arange(120.0), np.zeros((16, 120))

@@ -337,9 +337,7 @@ def stress_field(
     even = np.einsum("ij,jzc->izc", np.maximum(overlap, 0.0) / width, tractions)
     field = half_space_field(even, (width, strip), depths, poisson, CELLS_AROUND)
     along_surface = edges[0] + width * (np.arange(count + 2 * CELLS_AROUND) - CELLS_AROUND + 0.5)
-    near = np.flatnonzero(
-        (along_surface > first - CELLS_AROUND * width) & (along_surface < last + CELLS_AROUND * width)
-    )
+    near = np.flatnonzero((along_surface > box[0, 0]) & (along_surface < box[0, 1]))
     # the field's strips begin `CELLS_AROUND` ones before the first
     along = slice(int(strips[0]), int(strips[-1]) + 2 * CELLS_AROUND + 1)
     every: Floats = z[0] + strip * (np.arange(len(z) + 2 * CELLS_AROUND) - CELLS_AROUND)

@@ -455,7 +455,8 @@ def _solved(law: Linear, near: Linear, right: Floats, tolerance: float) -> Float
             more = new @ images[:n].T
             new, parts = new - more @ images[:n], parts + more
         size = np.maximum(np.linalg.norm(new, axis=1), np.finfo(float).tiny)[:, None]
-        values, vectors = np.linalg.eigh((new / size) @ (new / size).T)
+        unit = new / size
+        values, vectors = np.linalg.eigh(unit @ unit.T)
         apart = values > DEPENDENT
         combined = vectors[:, apart].T / np.sqrt(values[apart, None]) / size.T
         new, last = combined @ new, n + int(apart.sum())
