@@ -53,6 +53,8 @@ class TorsionCase(RunnableCase):
     """unit of a file that does not name one; coordinates are not converted"""
     half: bool = False
     """whether a CSV file contains one half only, to be mirrored about x = 0"""
+    layers: list[str] = Field([])
+    """layers of a DXF file, shown or not (default: what is visible)"""
     method: Literal["fem", "vem"] = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
     order: int = Field(2, ge=1, le=6)
@@ -73,7 +75,7 @@ class TorsionCase(RunnableCase):
     @property
     def drawn(self) -> DrawnSection:
         """What was drawn of the section."""
-        return find_section(self.section, unit=self.unit, mirrored=self.half)
+        return find_section(self.section, unit=self.unit, mirrored=self.half, layers=self.layers)
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
@@ -109,16 +111,18 @@ class SectionRun(RunResult):
         return ResultTable.of_numbers({key: value for key, value in _numbers(self).items() if key != "mesh"})
 
 
-def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
+def find_section(
+    name_or_file: str, *, unit: str | None = None, mirrored: bool = False, layers: Sequence[str] = ()
+) -> DrawnSection:
     """Return a bundled section by its name, or read one from a file.
 
     It is an `InputError` if there is neither, or the file is wrong.
     """
     path = Path(name_or_file)
     if path.suffix.lower() in ENDINGS or path.exists() or len(path.parts) > 1:
-        return read_section(path, unit=unit, mirrored=mirrored)
-    if unit is not None or mirrored:
-        asked = f"the unit {unit}" if unit is not None else "a mirror image"
+        return read_section(path, unit=unit, mirrored=mirrored, layers=layers)
+    if unit is not None or mirrored or layers:
+        asked = f"the unit {unit}" if unit is not None else "a mirror image" if mirrored else "layers"
         raise InputError(f"{asked} for {name_or_file}", "a file", "leave it out for a bundled section")
     return bundled_section(name_or_file)
 

@@ -156,6 +156,10 @@ def section(
     ] = None,
     unit: Unit = None,
     mirror: Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")] = False,
+    layer: Annotated[
+        list[str] | None,
+        typer.Option("--layer", metavar="NAME", help="Layer of a DXF file, also a hidden one; several times for several."),
+    ] = None,
     out: Out = None,
     *,
     show: Show,
@@ -164,8 +168,9 @@ def section(
     from flangeway.cases.section_run import TorsionCase  # noqa: PLC0415
     from flangeway.report.section_page import section_record  # noqa: PLC0415
 
-    inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
-    case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
+    inputs = {"section": name_or_file, "unit": unit, "half": mirror, "layers": layer or []}
+    mesh = {"method": method, "order": order, "size": size, "poisson": poisson}
+    case = TorsionCase.from_values({**inputs, **mesh, "units": show.units or "metric"})
     case.check()
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
+from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.profiles.smoothing import ARC_TOLERANCE_MM, NOISE_UM, biarcs, noise_um, smoothed
+from flangeway.railway.profiles.smoothing import ARC_TOLERANCE_MM, NOISE_UM, noise_um, smoothed
 
 RAW = ReadOptions(smooth_mm=0.0)
 

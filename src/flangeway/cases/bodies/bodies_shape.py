@@ -158,6 +158,8 @@ class ShapeTable(Table):
     """shape from a file: outline .toml, .csv, .dxf; or mesh .msh, .inp, .vtu and others"""
     unit: LengthUnit | None = None
     """unit of the file's coordinates (default: that in the file, or mm)"""
+    layers: list[str] = Field([])
+    """layers of a .dxf file, shown or not (default: what is visible)"""
     cells: str | list[str] | None = None
     """cell sets of a mesh that form this body (default: all cells)"""
     shift_mm: Pair = (0.0, 0.0)
@@ -393,7 +395,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
 def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
     """Region in mm."""
     if body.file is not None:
-        drawn = read_section(body.file, unit=body.unit)
+        drawn = read_section(body.file, unit=body.unit, layers=body.layers)
         if len(drawn.section.regions) != 1:
             raise InputError(
                 f"{key}.file = {body.file!r} with {len(drawn.section.regions)} parts", "one part", "make each a body"
@@ -401,8 +403,9 @@ def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
         notices += [f"{body.name}: {notice}" for notice in drawn.notices]
         outer, *holes = [_in_mm(loop, UNITS_MM[drawn.unit]) for loop in drawn.section.regions[0].loops]
         return Region(outer, tuple(holes))
-    if body.unit is not None:
-        raise InputError(f"{key}.unit = {body.unit!r} without file", "a file's unit", "leave it out, and give mm")
+    for name in ("unit", "layers"):
+        if value := getattr(body, name):
+            raise InputError(f"{key}.{name} = {value!r} without file", f"{name} of a file", "leave it out, and give mm")
     if body.rectangle is not None:
         shape = body.rectangle
         return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm))
@@ -458,7 +461,7 @@ def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
-    for name in ("size_mm", "fine", "halved_side"):
+    for name in ("size_mm", "fine", "halved_side", "layers"):
         if getattr(body, name) not in (None, []):
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart

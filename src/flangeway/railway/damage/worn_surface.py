@@ -12,10 +12,10 @@ from scipy.ndimage import gaussian_filter1d
 from flangeway.checks import as_numbers, check_between, check_kind, is_finite
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
+from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings, measures
-from flangeway.railway.profiles.smoothing import biarcs
 from flangeway.railway.track.wheelset_problem import Role
 from flangeway.results import sentence
 from flangeway.types import Floats

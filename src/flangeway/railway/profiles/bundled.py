@@ -14,8 +14,8 @@ from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
 from flangeway.formats.drawn_section import DrawnSegment, parse_segment, parse_table
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placement, Point, Region, Section, Segment
+from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.formats.instrument_files import GAP_MM, closed_gaps
-from flangeway.railway.profiles.smoothing import biarcs
 from flangeway.results import sentence
 from flangeway.system.file_content import packaged_rows, packaged_text
 

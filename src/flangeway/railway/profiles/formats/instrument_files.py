@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.formats import drawn_section, outline_files
+from flangeway.formats import drawn_section, dxf_files
 from flangeway.formats.drawn_section import UNITS_MM, DrawnSegment, reach_of
 from flangeway.geometry import Arc, Contour, FloatArray, Outline, Point, Segment
 from flangeway.geometry.outline import JOINT_TOLERANCE
@@ -287,19 +287,17 @@ def read_dxf_profile(content: bytes) -> RawProfile:
 
     An `InputError` if it is no DXF drawing, holds other curves, or its lines and arcs are not one chain.
     """
-    drawing = outline_files.open_drawing(content)
-    with outline_files.damage_reported():
-        loops, chains, ignored = outline_files.pieces_of(drawing)
-    if not loops + chains:
+    drawing = dxf_files.read_drawing(content)
+    pieces = drawing.loops + drawing.chains
+    if not pieces:
         raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
-    notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
-    empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
-    joined = outline_files.joined_chains(loops + chains, closed=False)
+    empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=tuple(drawing.notices))
+    joined = dxf_files.joined_chains(pieces, closed=False)
     if len(joined) > 1:
         raise InputError(
             f"{len(joined)} chains of lines and arcs apart", "one chain", "leave the profile alone in the drawing"
         )
-    return _profile(joined[0], outline_files.unit_of(drawing), empty)
+    return _profile(joined[0], drawing.unit, empty)
 
 
 def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile) -> RawProfile:
