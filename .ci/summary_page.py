@@ -28,6 +28,7 @@ KINDS: Kinds = {
         "`wheelset`, `wheelset-tangent`, `wheelset-curve`; in a plane model the keys of a plane contact",
         {
             "position": wheelset.POSITION,
+            "track": wheelset.TRACK,
             "load": wheelset.LOAD,
             "residual": wheelset.RESIDUAL,
             "sides, one for each wheel": (*wheelset.WHEEL, *wheelset.HEAD, *wheelset.NADAL),
@@ -68,7 +69,11 @@ KINDS: Kinds = {
     ),
     "Contact geometry": (
         "`geometry.json` of `flangeway geometry`",
-        {"equilibrium": rigid_run.POSITION_QUANTITIES, "contacts": rigid_run.CONTACT_QUANTITIES},
+        {
+            "track": wheelset.TRACK,
+            "equilibrium": rigid_run.POSITION_QUANTITIES,
+            "contacts": rigid_run.CONTACT_QUANTITIES,
+        },
     ),
     "Profiles": (
         "`profile.json` and `profiles.json` of `flangeway profile` and `flangeway profiles`",

@@ -38,7 +38,12 @@ def worn_pair(folder: Path) -> dict[str, str]:
     head = profile.running_surface.sampled(spacing=SPACING_MM) - top
     depth = 0.8 * np.exp(-(((head[:, 0] + 30.0) / 6.0) ** 2)) + 0.2 * np.exp(-((head[:, 0] / 20.0) ** 2))
     head = head + _across(head) * (depth * (head[:, 1] > -20.0))[:, None]
-    tread = _hollow(wheelset.wheel.running_surface.sampled(spacing=SPACING_MM), head + top, wheelset, Track(profile))
+    tread = _hollow(
+        wheelset.wheel.running_surface.sampled(spacing=SPACING_MM),
+        head + top,
+        wheelset,
+        Track(profile, gauge_at="narrowest"),
+    )
     texts = {
         "rail": write_miniprof(_noisy(head, 12), "rail", "worn"),
         "wheel": write_miniprof(_noisy(tread, 22), "wheel", "worn", wheelset.wheel.flange_back_mm),

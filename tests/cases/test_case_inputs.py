@@ -34,7 +34,7 @@ def test_every_input_reaches_the_problem():
         "wheel_radius_mm": 450.0, "centre_of_gravity_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
         "young_MPa": 2e5, "poisson": 0.25, "method": "vem", "size_scale": 2.0, "contact_size_mm": 0.3,
         "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel", "rail": "60E1", "wheel": "S1002",
-        "left_rail": "60E1", "left_wheel": "S1002", "gauge_depth_mm": 14.0,
+        "left_rail": "60E1", "left_wheel": "S1002", "gauge_depth_mm": 13.0, "gauge_at": "within-depth",
         "wheel_radius_at": "tape-line", "left_wheel_radius_mm": 499.0, "car_mass_t": 100.0,
         "lateral_force_kN": 10.0, "superelevation_mm": 20.0, "lateral_mm": 5.0, "vertical_mm": -1.0, "roll_rad": 1e-4,
         "wheel_young_MPa": 2e5, "wheel_poisson": 0.25, "rail_young_MPa": 2e5, "rail_poisson": 0.25, "order": 2,

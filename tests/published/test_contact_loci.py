@@ -48,7 +48,7 @@ ANGLES = np.concatenate((TABLE[:0:-1, 7], TABLE[:, 6]))
 @pytest.fixture(scope="module")
 def benchmark():
     """Wheels and rails of the benchmark as rigid curves."""
-    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 460.0 + 28.0)
+    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 460.0 + 28.0)
     return RigidGeometry.of(track, wheelset)
 
 

@@ -15,6 +15,7 @@ from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
+from flangeway.cases.wheelset.wheelset_quantities import TRACK
 from flangeway.errors import InputError, short
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
@@ -397,6 +398,7 @@ def run_geometry(
         "title": _title(name, case),
         "status": {"converged": status.converged, "message": status.message},
         "inputs": case.model_dump(),
+        "track": values(TRACK, track),
         "load_lateral_over_vertical": equilibrium.load_ratio,
         "equilibrium": position
         and {

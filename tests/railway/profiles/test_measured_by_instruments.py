@@ -25,7 +25,7 @@ from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_problem import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
 
-GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025, "gauge_depth_mm": 14.0}
+GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025}
 
 
 @cache

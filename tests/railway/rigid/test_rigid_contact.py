@@ -61,7 +61,7 @@ def test_a_sharp_corner_of_a_rail_is_touched_with_the_angle_of_the_wheel():
 
 @pytest.fixture(scope="module")
 def heavy_haul():
-    return RigidGeometry.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
+    return RigidGeometry.of(Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B")))
 
 
 @pytest.mark.parametrize("radius", [0.01, 300.0])
@@ -112,7 +112,7 @@ def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
 
 def test_points_agree_in_all_frames(heavy_haul):
     """Points of contact in the frames of both profiles are the same point of the track."""
-    track, wheelset = Track(rail("136RE")), Wheelset(wheel("AAR-1B"))
+    track, wheelset = Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B"))
     locus = heavy_haul.locus([-8.6, 3.0, 9.5])
     for number in range(3):
         motion = locus.motion(number)
@@ -337,7 +337,7 @@ def smallest_gap(curves, profile, rail_curve, sign, locus, yaw):
 def test_yaw_against_brute_force():
     """Wheels of revolution, yawed, touch prismatic rails where brute force over their surfaces finds the least gap."""
     yaw, lateral = 0.2, 3.0
-    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
     plain, curves = (RigidGeometry.of(track, wheelset, each) for each in (0.0, yaw))
     locus = curves.locus([lateral])
     for side, sign in (("right", 1.0), ("left", -1.0)):
@@ -348,7 +348,7 @@ def test_yaw_against_brute_force():
 
 def test_contact_ahead_of_the_axle():
     """An outer wheel that is behind, so that it runs against its rail, touches ahead of the axle at the flange."""
-    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
     attack = RigidGeometry.of(track, wheelset, -0.02).locus([6.5])
     angle = float(attack.right.contact_angles_rad[0, 0] - attack.roll_rad[0])
     profile_angle = math.asin(math.sin(angle) * math.cos(0.02))

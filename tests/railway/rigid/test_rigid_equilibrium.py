@@ -22,7 +22,7 @@ CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
 
 @pytest.fixture(scope="module")
 def usual():
-    return RigidGeometry.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
+    return RigidGeometry.of(Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B")))
 
 
 @pytest.fixture(scope="module")

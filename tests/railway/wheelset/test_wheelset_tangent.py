@@ -17,7 +17,7 @@ from flangeway.solve import CondensedBodies
 
 def problem(load_n: float = 300e3, **settings) -> WheelsetProblem:
     return WheelsetProblem(
-        Track(rail()),
+        Track(rail(), gauge_at="narrowest"),
         Wheelset(wheel()),
         WheelsetLoad(load_n),
         Elastic(210e3, 0.3),

@@ -205,7 +205,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             (key for key in type(self).model_fields if key not in plane and key != "model"), "model", "spatial"
         )
         shared = WheelsetTangentCase.model_fields.keys() & self.model_fields_set
-        keys = {"rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "order"}
+        keys = {"rail", "wheel", "gauge_mm", "gauge_at", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "order"}
         if self.car_mass_t is not None:
             keys -= {"axle_load_kN"}
         values = {key: getattr(self, key) for key in shared | keys}

@@ -22,6 +22,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     POSITION,
     RESIDUAL,
     ROLLING,
+    TRACK,
     WHEEL,
     AnyPatch,
     AnyResult,
@@ -32,7 +33,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 )
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, values
-from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.placements import SIDES, GaugeAt
 from flangeway.railway.track.wheelset_problem import (
     Choice,
     Discretisation,
@@ -155,6 +156,7 @@ class WheelsetRun(RunResult):
         result, space = self.result, self.in_space
         content: dict[str, Any] = {
             "position": values(POSITION, result),
+            "track": values(TRACK, self.problem.track),
             "load": values(LOAD, self.problem.load),
             "residual": values(RESIDUAL, result.equilibrium.residuals),
             "sides": [{"side": wheel.side, **values(self.wheel_quantities, wheel)} for wheel in self.wheels],
@@ -188,6 +190,9 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         *("method", "order", "size_scale"),
     )
 
+    gauge_at: GaugeAt = "narrowest"
+    """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads; narrowest:
+    closest points at any depth, as in Moherdaui (2021)"""
     lateral_mm: float | None = None
     """prescribed lateral position of the axle's middle in the track's axes (default: computed)"""
     vertical_mm: float | None = None

@@ -31,7 +31,7 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body, whole_profile
-from flangeway.railway.profiles.orientation import ReadOptions
+from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, ReadOptions
 from flangeway.railway.profiles.profile_file import (
     FIELD_WORN,
     MIRRORED,
@@ -40,7 +40,7 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     side_notices,
 )
-from flangeway.railway.track.placements import SIDES, USUAL_GAUGES, Track, Wheelset, usual_gauge
+from flangeway.railway.track.placements import SIDES, USUAL_GAUGES, GaugeAt, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_problem import (
     GRAVITY_M_S2,
     MAX_SLOPE,
@@ -50,7 +50,7 @@ from flangeway.railway.track.wheelset_problem import (
     curve_force_N,
     superelevation_angle,
 )
-from flangeway.results import sentence, with_texts
+from flangeway.results import Units, sentence, with_texts
 from flangeway.system.file_content import is_file
 
 # --- Rails and wheels of cases by the names that users give: bundled ones, or files of profiles.
@@ -224,12 +224,29 @@ def _means_file(name: str) -> bool:
     return path.suffix.lower() in READABLE or is_file(path)
 
 
+def gauge_note(track: Track) -> str:
+    """Return where the gauge is measured, in a sentence."""
+    heads = "unworn rails" if track.gauge_at == "unworn" else "rails"
+    depths = (track.gauge_point(side).depth_mm for side in SIDES)
+    width = track.measured_gauge_mm
+    return sentence(
+        "The gauge of {:g mm} is measured {:.2f (mm)} (left) and {:.2f mm} (right) below the tops of the {}{}.",
+        track.gauge_mm,
+        *depths,
+        heads,
+        ""
+        if width is None or track.gauge_at == "within-depth"
+        else sentence("; down to {:g mm} below the tops the heads are {:.2f mm} apart", track.gauge_depth_mm, width),
+    )
+
+
 def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
-    """Return how far the profiles can be trusted, and what was assumed when their files were read, in sentences."""
+    """Return where the gauge is measured, how far the profiles can be trusted, and what was assumed of their files."""
     wheels = [wheelset.wheel_of(side) for side in SIDES[::-1]]
     rails = [track.rail_of(side) for side in SIDES[::-1]]
     profiles: dict[RailProfile | WheelProfile, None] = dict.fromkeys([*wheels, *rails])
     return [
+        gauge_note(track),
         *(
             sentence("{} {}. {}", "Wheel" if profile in wheels else "Rail", profile.title, profile.certainty)
             for profile in profiles
@@ -258,6 +275,8 @@ def side_warnings(track: Track) -> list[str]:
 
 
 N_AXLES = 4  # wheelsets of a usual wagon
+GAUGE_DEPTHS_MM: dict[Units, float] = {"metric": GAUGE_DEPTH_MM, "us": 0.625 * 25.4}
+"""Depth below the rails' tops down to which the gauge is measured: EN 13848-1, and 5/8 in in North America."""
 
 POSITION_KEYS = ("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles")
 CURVE_KEYS = (
@@ -322,7 +341,10 @@ class WheelsetInputs(Case):
     gauge_mm: Positive = Track.gauge_mm
     """track gauge, between the rails' heads"""
     gauge_depth_mm: Positive | None = None
-    """depth below the tops above which the gauge is measured (default: at the closest points)"""
+    """depth below the tops down to which the gauge is measured (default: 14 mm by EN 13848-1, 5/8 in with units = us)"""
+    gauge_at: GaugeAt = "within-depth"
+    """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads, so that worn
+    rails stand where they stood new; narrowest: closest points at any depth"""
     rail_inclination: float = Field(Track.rail_inclination, ge=-0.2, le=0.2)
     """rail inclination, a slope; 1:40 is 0.025"""
     back_to_back_mm: float | None = Field(
@@ -532,7 +554,8 @@ class WheelsetInputs(Case):
     def track(self) -> Track:
         """Return the rails in their positions."""
         right, left = self._profiles("rail")
-        return Track(right, self.gauge_mm, self.rail_inclination, left, self.gauge_depth_mm)
+        depth = GAUGE_DEPTHS_MM[self.units] if self.gauge_depth_mm is None else self.gauge_depth_mm
+        return Track(right, self.gauge_mm, self.rail_inclination, left, depth, self.gauge_at)
 
     def _profiles(self, kind: Kind) -> tuple[Any, Any]:
         """Rails or wheels of the right and the left side, None for a left one that is the same."""

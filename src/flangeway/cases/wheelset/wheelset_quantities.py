@@ -29,7 +29,7 @@ from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, getter, of_part
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 from flangeway.railway.wheelset.plane_wheelset import (
@@ -269,6 +269,17 @@ POSITION: Quantities[AnyResult] = (
     Quantity("stable", "", "equilibrium.stable", meaning="whether it comes back after a small push"),
     Quantity("reference", "", lambda _: REFERENCE),
 )
+TRACK: Quantities[Track] = (
+    Quantity("gauge", "track gauge", "gauge_mm", "mm", ".2f"),
+    Quantity(
+        "measured_gauge",
+        "  of the heads as they are",
+        "measured_gauge_mm",
+        "mm",
+        ".2f",
+        meaning="smallest distance down to the input gauge_depth_mm below the tops; none where a head ends above it",
+    ),
+)
 LOAD: Quantities[WheelsetLoad] = (
     Quantity("vertical", "", "vertical_N", "kN", factor=1e-3, meaning="weight in space"),
     Quantity("lateral", "", "lateral_N", "kN", factor=1e-3, meaning="horizontal force in space"),
@@ -443,6 +454,13 @@ PLANE_PATCH: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK, 
 
 # Wheels
 
+GAUGE_DEPTH: Quantity[WheelResult] = Quantity(
+    "gauge_depth",
+    "gauge point below the top",
+    lambda w: w.result.problem.track.gauge_point(w.side).depth_mm,
+    "mm",
+    ".2f",
+)
 RATIO: Quantity[WheelResult] = Quantity("lateral_over_vertical", "L/V", "lateral_over_vertical", form="z.4f")
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
@@ -464,6 +482,7 @@ WHEEL: Quantities[WheelResult] = (
         factor=1e-3,
     ),
     RATIO,
+    GAUGE_DEPTH,
 )
 GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", "head.3", "mm", "z.3f")
 HEAD: Quantities[WheelResult] = (

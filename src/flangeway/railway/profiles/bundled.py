@@ -192,7 +192,9 @@ class RailProfile:
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
     - `placing_head`: head that is placed at the gauge, with its top at zero; None: the rail's own. Sections of a rail
-      that varies along the track, and worn heads, have that of the first section, or of the new rail.
+      that varies along the track, and heads that wear in a computation, have that of the first section, or the head
+      from which the wear began.
+    - `unworn`: head of the rail when it was new, in the same frame; None: not known.
     - `fine`: the head for contact where it differs from the outline, as when it is worn a little; None: as drawn.
     """
 
@@ -205,6 +207,7 @@ class RailProfile:
     notices: tuple[str, ...] = ()
     placing_head: Contour | None = None
     fine: Contour | None = None
+    unworn: Contour | None = None
 
     @property
     def running_surface(self) -> Contour:
@@ -301,13 +304,16 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     below_crown = list(half)[1:]
     side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
     certainty, source = _EN_TEXTS if radius is None else _texts_136re(radius)
+    outline = _mirrored_and_joined(half)
+    running = (*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side))
     return RailProfile(
         title=name if radius is None else f"{name}, crown radius {radius:g} in",
-        outline=_mirrored_and_joined(half),
-        running_names=(*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side)),
+        outline=outline,
+        running_names=running,
         held_names=("base",),
         certainty=certainty,
         source=source,
+        unworn=outline.part(running),
     )
 
 
@@ -377,10 +383,12 @@ def _reference_rail() -> RailProfile:
     first, last = nominal.running_names[-1], nominal.running_names[0]
     pieces[first] = Line(pieces[first].start, head.ends[0])
     pieces[last] = Line(head.ends[1], pieces[last].end)
+    outline = Outline.named(pieces.items())
     return replace(
         nominal,
         title=REFERENCE_RAIL,
-        outline=Outline.named(pieces.items()),
+        outline=outline,
+        unworn=outline.part(nominal.running_names),
         certainty=f"{_REFERENCE_CERTAINTY} With rail_inclination = {_REFERENCE_SLOPE:g} the head is inclined as there; "
         "the body is that of a 60E1.",
         source=_REFERENCE_SOURCE,

@@ -281,6 +281,8 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     )
     base = nominal.held_names if isinstance(nominal, RailProfile) else ()
     profile = _with_body(measured, shift, (title, outline, running, base), (certainty, source, notices))
+    if isinstance(profile, RailProfile) and isinstance(nominal, RailProfile):
+        profile = replace(profile, unworn=nominal.unworn)
     return Joined(profile, nominal, surface, joints)
 
 

@@ -8,14 +8,15 @@ Profiles are those of the right side, their track side at negative x; the left s
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from flangeway.checks import check_between, check_finite, check_positive
+from flangeway.checks import check_between, check_finite, check_positive, refused
 from flangeway.errors import InputError
-from flangeway.geometry import Placement
+from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings
 from flangeway.results import joined_text, sentence, with_unit
 from flangeway.types import Floats
 
@@ -45,46 +46,96 @@ class UsualGauge:
 
     - `back_to_back_mm`: distance of the wheels' inner faces.
     - `source`: where this is from.
+    - `widest_mm`: widest track that is this one: widened in a curve or by wear, but narrower than the next gauge whose
+      wheelsets differ, such as 1524 mm after 1520 mm, and 1676 mm after 1668 mm.
     """
 
     gauge_mm: float
     back_to_back_mm: float
     source: str
+    widest_mm: float
+
+    def includes(self, gauge_mm: float) -> bool:
+        """Whether a track of a gauge is this one, narrowed or widened."""
+        return self.gauge_mm - NARROWING_MM <= gauge_mm <= self.widest_mm
 
 
+NARROWING_MM = 10.0  # of a track that keeps its wheelsets
 _OF_THE_EU = sentence("middle of the range for wheels above {840 mm} in Regulation (EU) 1302/2014, 4.2.3.5.2.1")
 USUAL_GAUGES = (
-    UsualGauge(1435.0, 1360.0, _OF_THE_EU),
-    UsualGauge(1520.0, 1440.0, _OF_THE_EU),
-    UsualGauge(1600.0, 1515.0, "Moherdaui (2021), 7.2.1"),
-    UsualGauge(1668.0, 1593.0, _OF_THE_EU),
+    UsualGauge(1435.0, 1360.0, _OF_THE_EU, 1470.0),
+    UsualGauge(1520.0, 1440.0, _OF_THE_EU, 1523.5),
+    UsualGauge(1600.0, 1515.0, "Moherdaui (2021), 7.2.1", 1635.0),
+    UsualGauge(1668.0, 1593.0, _OF_THE_EU, 1671.5),
 )
-"""Gauges whose wheelsets are known, with the distance of the wheels' inner faces."""
-
-GAUGE_OFF_MM = (-10.0, 35.0)  # narrowing and widening of a track that keeps its wheelsets
+"""Gauges whose wheelsets are known from a source, with the distance of the wheels' inner faces."""
 
 
 def usual_gauge(gauge_mm: float) -> UsualGauge:
     """Return the usual gauge that a track is built to.
 
-    An `InputError` if there is none near: the distance of the wheels is needed then.
+    An `InputError` if there is none with a source for its wheelsets: the distance of the wheels is needed then.
     """
-    near = min(USUAL_GAUGES, key=lambda gauge: abs(gauge_mm - gauge.gauge_mm))
-    if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
-        raise InputError(
-            sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
-            "gauge_mm and back_to_back_mm, or a gauge near "
-            + joined_text(", ", (with_unit(gauge.gauge_mm, "(mm)") for gauge in USUAL_GAUGES[:-1]))
-            + sentence(", {:g mm}", USUAL_GAUGES[-1].gauge_mm),
-            "give the distance between the wheels' inner faces as back_to_back_mm",
-        )
-    return near
+    for usual in USUAL_GAUGES:
+        if usual.includes(gauge_mm):
+            return usual
+    known = joined_text(
+        ", ",
+        (sentence("{:g (mm)} to {:g mm}", usual.gauge_mm - NARROWING_MM, usual.widest_mm) for usual in USUAL_GAUGES),
+    )
+    raise InputError(
+        sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
+        "gauge_mm and back_to_back_mm; without the latter a gauge whose wheelsets are known: " + known,
+        "give the distance between the wheels' inner faces as back_to_back_mm",
+    )
 
 
 def _require_positive(owner: str, **lengths: float | None) -> None:
     for name, value in lengths.items():
         if value is not None:
             check_positive(owner, name, value, "a positive length", "give it in mm")
+
+
+GaugeAt = Literal["within-depth", "unworn", "narrowest"]
+_DEVIATION_MM = 1e-6  # of the chords by which a head is measured from its arcs
+_REACH_TOLERANCE_MM = 1e-3  # by which a gauge face may end above the depth of the gauge
+
+
+class GaugePoint(NamedTuple):
+    """Point of an inclined head to which the gauge is measured, in the frame of the profile after its inclination.
+
+    - `x_mm`: its lateral position.
+    - `depth_mm`: its depth below the top.
+    - `top_mm`: height of the top.
+    - `reach_mm`: depth to which the head goes down at its gauge side.
+    """
+
+    x_mm: float
+    depth_mm: float
+    top_mm: float
+    reach_mm: float
+
+
+@lru_cache(maxsize=32)
+def gauge_point(head: Contour, inclination_rad: float, depth_mm: float) -> GaugePoint:
+    """Innermost point of a head from its top down to a depth (EN 13848-1), as a gauge rod in the track plane finds it.
+
+    - `head`: in the frame of its profile, the gauge side at negative x.
+    - `inclination_rad`: rotation towards the middle of the track.
+    - `depth_mm`: below the top of the inclined head; inf: the whole head.
+    """
+    inclined = head.transformed(Placement(inclination_rad))
+    (inner, _), (_, top) = inclined.bounds()
+    points = inclined.sampled(max_deviation=_DEVIATION_MM)
+    gauge_side = points[points[:, 0] <= points[np.argmax(points[:, 1]), 0]]
+    reach = float(top - gauge_side[:, 1].min())
+    if math.isinf(depth_mm):
+        return GaugePoint(float(inner), float(top - points[np.argmin(points[:, 0]), 1]), float(top), reach)
+    level = top - depth_mm
+    at_level = crossings(points, level)
+    within = np.vstack((points[points[:, 1] >= level], np.column_stack((at_level, np.full(len(at_level), level)))))
+    x, y = within[np.argmin(within[:, 0])]
+    return GaugePoint(float(x), float(top - y), float(top), reach)
 
 
 @dataclass(frozen=True)
@@ -102,19 +153,27 @@ class Track:
     left_rail
         Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
     gauge_depth_mm
-        Depth below the rails' tops above which the gauge is measured; None: between the heads' closest points.
+        Depth below the rails' tops down to which the gauge is measured, 14 mm by EN 13848-1, 5/8 in in North America.
+    gauge_at
+        Where the gauge is measured: ``"within-depth"``: where the heads are closest down to `gauge_depth_mm` below
+        their tops; ``"unworn"``: there on the unworn heads, so that worn rails stand where they stood new;
+        ``"narrowest"``: where the heads are closest at any depth.
     """
 
     rail: RailProfile
     gauge_mm: float = 1600.0
     rail_inclination: float = 1.0 / 40.0
     left_rail: RailProfile | None = None
-    gauge_depth_mm: float | None = None
+    gauge_depth_mm: float = GAUGE_DEPTH_MM
+    gauge_at: GaugeAt = "within-depth"
 
     def __post_init__(self) -> None:
-        check_positive("Track", "gauge_mm", self.gauge_mm, "a positive length", "give it in mm")
-        _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
+        for name in ("gauge_mm", "gauge_depth_mm"):
+            check_positive("Track", name, getattr(self, name), "a positive length", "give it in mm")
         check_between("Track", "rail_inclination", self.rail_inclination, -0.2, 0.2, advice="give 1:40 as 0.025")
+        if self.gauge_at not in get_args(GaugeAt):
+            allowed = f"one of {', '.join(get_args(GaugeAt))}"
+            raise refused("Track", "gauge_at", self.gauge_at, allowed, "choose one of these")
 
     @property
     def is_symmetric(self) -> bool:
@@ -125,26 +184,55 @@ class Track:
         """Profile of the rail of a side, in the right-hand form."""
         return self.left_rail if side == "left" and self.left_rail is not None else self.rail
 
+    @property
+    def _angle(self) -> float:
+        return math.atan(self.rail_inclination)
+
+    def gauge_point(self, side: Side) -> GaugePoint:
+        """Point of a rail that stands at half of the gauge from the middle of the track.
+
+        An `InputError` if the head does not go down to `gauge_depth_mm`, or its unworn head is not known.
+        """
+        rail = self.rail_of(side)
+        head = rail.placing_head or rail.running_surface
+        if self.gauge_at == "narrowest":
+            return gauge_point(head, self._angle, math.inf)
+        if self.gauge_at == "unworn":
+            if rail.unworn is None:
+                raise InputError(
+                    f"gauge_at = unworn, and the {side} rail {rail.title} without an unworn head",
+                    "bundled rails, and files of heads on the body of one",
+                    "name the bundled rail as rail_body, or leave gauge_at out",
+                )
+            head = rail.unworn
+        at = gauge_point(head, self._angle, self.gauge_depth_mm)
+        if at.reach_mm < self.gauge_depth_mm - _REACH_TOLERANCE_MM:
+            raise InputError(
+                sentence("{gauge_depth_mm = :g}, below the head of the {} rail", self.gauge_depth_mm, side),
+                sentence("depths to {:.1f mm} below the rail's top, as far as its gauge face goes down", at.reach_mm),
+                "give a smaller gauge_depth_mm, gauge_at = narrowest, or a profile with its gauge face",
+            )
+        return at
+
     def placement(self, side: Side) -> Placement:
         """Where the rail of a side stands: inclined, its head at the gauge, its top at y = 0."""
-        angle = math.atan(self.rail_inclination)
-        rail = self.rail_of(side)
-        inclined = (rail.placing_head or rail.running_surface).transformed(Placement(angle))
-        (left, _), (_, top) = inclined.bounds()
-        if self.gauge_depth_mm is not None:
-            points = inclined.sampled(spacing=0.01)
-            lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
-            if lowest > top - self.gauge_depth_mm:
-                raise InputError(
-                    sentence("{gauge_depth_mm = :g}, below the head of the {} rail", self.gauge_depth_mm, side),
-                    sentence(
-                        "depths to {:.1f mm} below the rail's top, as far as its gauge face goes down", top - lowest
-                    ),
-                    "give a smaller depth, or a profile with its gauge face",
-                )
-            left = float(points[points[:, 1] >= top - self.gauge_depth_mm, 0].min())
-        placement = Placement(angle, (self.gauge_mm / 2.0 - left, -top))
+        at = self.gauge_point(side)
+        placement = Placement(self._angle, (self.gauge_mm / 2.0 - at.x_mm, -at.top_mm))
         return placement if side == "right" else mirrored(placement)
+
+    @property
+    def measured_gauge_mm(self) -> float | None:
+        """Gauge of the heads as they are, down to `gauge_depth_mm` below their tops; None where one ends above it.
+
+        It is `gauge_mm` where this is measured ``"within-depth"`` and no rail was placed by another head than its own.
+        """
+        width = self.gauge_mm
+        for side in SIDES:
+            at = gauge_point(self.rail_of(side).running_surface, self._angle, self.gauge_depth_mm)
+            if at.reach_mm < self.gauge_depth_mm - _REACH_TOLERANCE_MM:
+                return None
+            width += at.x_mm - self.gauge_point(side).x_mm
+        return width
 
 
 @dataclass(frozen=True)
@@ -282,7 +370,7 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
     """
     given = sentence("{gauge_mm = :g} and {back_to_back_mm = :g} do not fit", track.gauge_mm, wheelset.back_to_back_mm)
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
-    usual = [gauge for gauge in USUAL_GAUGES if abs(gauge.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
+    usual = [gauge for gauge in USUAL_GAUGES if gauge.includes(track.gauge_mm)]
     advice = "check gauge_mm and back_to_back_mm" + joined_text(
         "",
         (

@@ -14,6 +14,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     CREEP_FURTHER,
     CREEP_MAIN,
     GAUGE,
+    GAUGE_DEPTH,
     LATERAL,
     LOAD,
     LOAD_FACTOR,
@@ -33,6 +34,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SHAKEDOWN,
     SPATIAL_FURTHER,
     SPATIAL_MAIN,
+    TRACK,
     AnyResult,
     WheelResult,
     patch_name,
@@ -502,11 +504,11 @@ def results_table(run: WheelsetRun) -> SummaryTable:
     units, sides = run.case.units, [patch.patch.side for patch in run.patches]
     position: Sequence[Quantity[AnyResult]] = (LATERAL, APPROACH)
     quantities: Sequence[Quantity[Any]] = PLANE_MAIN
-    wheels: Sequence[Quantity[WheelResult]] = (RATIO,)
+    wheels: Sequence[Quantity[WheelResult]] = (RATIO, GAUGE_DEPTH)
     if run.in_space is not None:
         rolls = bool(run.space.rolling)
         position, quantities = MOTION, (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
-        wheels = (RATIO, *(NADAL if rolls else ()), GAUGE)
+        wheels = (RATIO, *(NADAL if rolls else ()), GAUGE, GAUGE_DEPTH)
     whole = dict(rows_of(position, run.result, units))
     table = table_across("Results", run.patch_names, run.patches, quantities, units=units)
     return with_whole(table, whole, sides, _of_wheels(wheels, run))
@@ -517,11 +519,12 @@ def _tables(run: WheelsetRun) -> list[SummaryTable]:
     units, result, in_space = run.case.units, run.result, run.in_space is not None
     further = SPATIAL_FURTHER if in_space else PLANE_FURTHER
     position = (*MOTION, APPROACH)[3 if in_space else 1 :]
-    rows = rows_of(position, result, units) + rows_of(LOAD, run.problem.load, units)
+    rows = rows_of(position, result, units) + rows_of(TRACK, run.problem.track, units)
+    rows += rows_of(LOAD, run.problem.load, units)
     rows += rows_of(RESIDUAL, result.equilibrium.residuals)
     tables = [
         table_across("Patches", run.patch_names, run.patches, further, units=units),
-        SummaryTable("Position, load and equilibrium", ("", "value"), tuple(rows)),
+        SummaryTable("Track, position, load and equilibrium", ("", "value"), tuple(rows)),
         table_across("Wheels and rails", SIDES, run.wheels, run.wheel_quantities, units=units),
     ]
     if not in_space:
