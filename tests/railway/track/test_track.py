@@ -22,7 +22,7 @@ def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetPosition | None 
 
 @pytest.mark.parametrize(("gauge", "rail_inclination"), [(1435.0, 1 / 20), (1600.0, 0.0)])
 def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, rail_inclination: float) -> None:
-    """Measured at their narrowest, the two canted heads are the gauge apart at their closest, with their tops at zero."""
+    """Two canted heads are the gauge apart at their closest if it is measured there, with their tops at height zero."""
     track = Track(rail(), gauge_mm=gauge, rail_inclination=rail_inclination, gauge_at="narrowest")
     left, right = head_points(track, "left"), head_points(track, "right")
     assert right[:, 0].min() - left[:, 0].max() == pytest.approx(gauge, abs=1e-4)

@@ -6,7 +6,8 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 
-COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
+COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous", "gauge_at": "narrowest"}
+"""Meshes for quick tests; reference positions of the tests were found at the narrowest place of the heads."""
 
 
 def coarse_case(**inputs):

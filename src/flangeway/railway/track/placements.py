@@ -17,7 +17,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings
-from flangeway.results import joined_text, sentence, with_unit
+from flangeway.results import joined_text, sentence
 from flangeway.types import Floats
 
 Side = Literal["left", "right"]
