@@ -341,7 +341,8 @@ class WheelsetInputs(Case):
     gauge_mm: Positive = Track.gauge_mm
     """track gauge, between the rails' heads"""
     gauge_depth_mm: Positive | None = None
-    """depth below the tops down to which the gauge is measured (default: 14 mm by EN 13848-1, 5/8 in with units = us)"""
+    """depth below the tops down to which the gauge is measured (default: 14 mm by EN 13848-1; with units = us 5/8
+    in)"""
     gauge_at: GaugeAt = "within-depth"
     """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads, so that worn
     rails stand where they stood new; narrowest: closest points at any depth"""
