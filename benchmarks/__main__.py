@@ -23,6 +23,7 @@ from benchmarks import (
     stabilisation,
     standing,
     sweep,
+    symmetric,
     torsion_assembly,
     torsion_sections,
     wheelset3d,
@@ -51,13 +52,14 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "standing": standing.measurements,
     "sweep": sweep.measurements,
     "damage": damage.measurements,
+    "symmetric": symmetric.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
-CAMPAIGNS = {"polygons", "standing", "sweep"}
-"""Many cases that count what converges: they take half an hour or more, and are printed, not recorded."""
+CAMPAIGNS = {"polygons", "standing", "sweep", "symmetric"}
+"""Many cases that count what converges: most take half an hour or more, and are printed, not recorded."""
 
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
@@ -77,6 +79,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "standing": standing.quick,
     "sweep": sweep.quick,
     "damage": damage.quick,
+    "symmetric": symmetric.quick,
 }
 
 

@@ -25,11 +25,14 @@ use rayon::prelude::*;
 const ZERO_DIAGONAL: f64 = 1e-14;
 /// Refinement stops at this backward error, which is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-const MOST_REFINEMENTS: usize = 3;
+const MOST_REFINEMENTS: usize = 5;
+/// Refinement goes on while it divides the backward error by two.
+const LEAST_PROGRESS: f64 = 0.5;
 /// A last correction that is still this part of the solution tells that no digit is certain.
 const LARGEST_CORRECTION: f64 = 1e-3;
-/// A solution whose backward error stays above this is refused.
-const LARGEST_BACKWARD_ERROR: f64 = 1e-10;
+/// A solution whose backward error stays above this, which is round-off, is refused: then no pivot
+/// within the supernodes was stable, or the matrix is singular.
+const LARGEST_BACKWARD_ERROR: f64 = 16.0 * f64::EPSILON;
 /// Norm of the solution beside that of the right-hand side from which the matrix counts as singular.
 const LARGEST_GROWTH: f64 = 1e14;
 const N_SCALINGS: usize = 4;
@@ -143,12 +146,13 @@ impl Ldlt {
         for step in 0..=MOST_REFINEMENTS {
             let residual = self.residual(x.as_ref(), rhs);
             let error = self.backward_error(x.as_ref(), rhs, residual.as_ref());
+            let progress = error <= LEAST_PROGRESS * best;
             if error < best {
                 best = error;
                 kept.copy_from(x.as_ref());
             }
-            if error.is_nan() || error > best || step == MOST_REFINEMENTS {
-                break;
+            if !progress || step == MOST_REFINEMENTS {
+                break; // not a number makes no progress
             }
             if certain && best <= ROUNDING {
                 break;

@@ -25,7 +25,7 @@ class NotPositiveDefiniteError(ArithmeticError):
     args: tuple[str, int]
 
 class SingularMatrixError(ArithmeticError):
-    """The matrix is singular, or so close to it that no digit of the solution is certain."""
+    """The matrix is singular, or the factor is not accurate enough: no digit of the solution is certain."""
 
 class FactorTooLargeError(MemoryError):
     """Work that has too many entries or needs too much memory; refused before the memory is taken.
@@ -259,7 +259,7 @@ class Ldlt:
         """Number of unknowns."""
 
     def solve(self, rhs: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Solve ``K x = rhs`` with one to three steps of iterative refinement.
+        """Solve ``K x = rhs`` with one to five steps of iterative refinement.
 
         Parameters
         ----------
@@ -274,8 +274,9 @@ class Ldlt:
         Raises
         ------
         SingularMatrixError
-            If the solution is not finite, its normwise backward error stays above 1e-10, or its
-            last correction is above 1e-3 of it.
+            If the solution is not finite, its normwise backward error stays above sixteen times
+            the round-off of one, or its last correction is above 1e-3 of it: the matrix is
+            singular, or no pivot within the dense blocks was stable.
         ValueError
             If the dtype or the shape is wrong, or a value is not finite.
         """

@@ -1,7 +1,7 @@
 """Sparse factorisation with errors that name the body, in the memory that there is; of bodies, and of any forms."""
 
 import warnings
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -36,6 +36,10 @@ MAX_CORRECTIONS = 30
 
 SAMPLES = 4
 """Samples of round-off with random signs: one alone was too small by a factor of 4 in one of 1,000 hostile polygons."""
+
+MAX_BACKWARD_ERROR = 16.0 * EPS
+"""Residual of a refined solution, relative to the maximum row sum and solution (Rigal and Gaches, 1967), that is
+round-off; the compiled core has the same limit."""
 
 MAX_DIGITS = 16.0
 """Decimal digits of double precision."""
@@ -168,12 +172,70 @@ def _raised(matrix: SymmetricMatrix) -> SymmetricMatrix:
     return replace(matrix, values=values)
 
 
-def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> Ldlt:
+def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> "IndefiniteFactor":
     """Factorise a symmetric indefinite matrix; arguments and errors as of `cholesky`."""
     try:
-        return Ldlt(matrix.indptr, matrix.indices, matrix.values, groups, memory_left())
+        return IndefiniteFactor(matrix, Ldlt(matrix.indptr, matrix.indices, matrix.values, groups, memory_left()))
     except FactorTooLargeError as error:
         raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
+
+
+class IndefiniteFactor:
+    """Factor of a symmetric indefinite matrix: LDLT, replaced by LU where its residual is not round-off.
+
+    LDLT looks for pivots within the dense blocks of the factor, which keeps it sparse and is enough for stiffnesses
+    with multipliers. Of other matrices, such as those of graphs, a block may have no stable pivot: LU looks for it in
+    the whole column.
+    """
+
+    def __init__(self, matrix: SymmetricMatrix, factor: Ldlt) -> None:
+        self._matrix = matrix
+        self._factor: Ldlt | ScaledLU = factor
+        self.kind = "LDLT"
+
+    def solve(self, rhs: NDArray[Any]) -> NDArray[Any]:
+        """Solve for right-hand sides (n,) or (n, m); `SingularMatrixError` if the residual is no round-off."""
+        try:
+            return self._factor.solve(rhs)
+        except SingularMatrixError:
+            if self.kind == "LU":
+                raise
+            self._factor, self.kind = ScaledLU(self._matrix.full()), "LU"
+            return self._factor.solve(rhs)
+
+
+class ScaledLU:
+    """LU factors by SuperLU of a matrix with rows and columns scaled by powers of two, and refined solutions.
+
+    Where the diagonal has no zero, the order is the minimum degree of ``A + A^T`` and pivots stay on the diagonal
+    unless another entry of the column is ten times larger, which suits matrices of a symmetric pattern (Li, 2005, ACM
+    TOMS 31). Otherwise it is COLAMD, with partial pivoting and twice the fill.
+    """
+
+    kind = "LU"
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        self._scale = np.exp2(np.round(np.log2(_unit_scale(matrix))))
+        self._matrix = sp.csc_array(sp.diags_array(self._scale) @ matrix @ sp.diags_array(self._scale))
+        self._matrix.eliminate_zeros()
+        self._row_sum = float(abs(self._matrix).sum(axis=1).max(initial=0.0))
+        if sp.csgraph.structural_rank(self._matrix) < matrix.shape[0]:  # SuperLU would write beyond its memory
+            raise SingularMatrixError("the matrix is singular: its nonzero entries are too few")
+        symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.1, "options": {"SymmetricMode": True}}
+        try:
+            self._factor = splu(self._matrix, **(symmetric if self._matrix.diagonal().all() else {}))
+        except RuntimeError as error:  # an exact zero
+            raise SingularMatrixError("the matrix is singular: a pivot is zero") from error
+
+    def solve(self, rhs: NDArray[Any]) -> NDArray[Any]:
+        """See `IndefiniteFactor.solve`."""
+        scaled = (self._scale * rhs.T).T
+        solution = self._factor.solve(scaled)
+        solution = solution + self._factor.solve(scaled - self._matrix @ solution)
+        residual, size = (np.abs(array).max(axis=0) for array in (scaled - self._matrix @ solution, solution))
+        if not (residual <= MAX_BACKWARD_ERROR * (self._row_sum * size + np.abs(scaled).max(axis=0))).all():
+            raise SingularMatrixError("the matrix is singular to working precision: the residual is not round-off")
+        return np.asarray((self._scale * solution.T).T)
 
 
 def factorise(body: LinearBody, trailing: NDArray[np.int32]) -> Cholesky:
@@ -220,7 +282,7 @@ SINGULAR = 0.05
 FEW_DIGITS = 4.0
 """Decimal digits of a solution below which a warning says so."""
 REFINED_BELOW = 8.0
-"""Digits below which a solution is corrected once with its residual."""
+"""Digits below which a solution by Cholesky's method is corrected once with its residual; others always are."""
 SHIFT = 1e-9
 """Relative increase of the diagonal with which the motions that make a matrix singular are computed."""
 PROBES = 4
@@ -237,8 +299,8 @@ class Factor:
     """Factorisation of the free part of a matrix, to be solved with as often as wanted.
 
     A symmetric positive definite matrix is factorised by Cholesky's method and another symmetric one as LDLT, both by
-    the compiled core with approximate minimum degree; any other, real or complex, by SuperLU with the minimum degree of
-    ``A + A^T``, which suits matrices of a symmetric pattern (Li, 2005, ACM TOMS 31).
+    the compiled core with approximate minimum degree; any other, real or complex, by SuperLU, and so is a symmetric one
+    in whose LDLT pivots within dense blocks are not stable.
 
     Parameters
     ----------
@@ -276,30 +338,23 @@ class Factor:
         self._symmetric = _symmetric(self.matrix)
         self._inner = self.matrix if self.free.all() else sp.csr_array(self.matrix[self.free][:, self.free])
         try:
-            self.kind = self._factorise(groups)
-        except RuntimeError as error:  # SuperLU: an exact zero
+            self._factor = self._factorised(groups)
+        except SingularMatrixError as error:
             raise self._singular() from error
 
-    def _factorise(self, groups: NDArray[np.int32]) -> str:
-        """Factorise, and return the method's name."""
-        self._solve: Callable[[Any], Any]
-        if self._symmetric and not np.iscomplexobj(self._inner.data):
-            lower = _with_diagonal(self._inner)
-            if (self._inner.diagonal() > 0.0).all():
-                try:
-                    self._solve = cholesky(lower, groups, NO_UNKNOWNS).solve
-                except NotPositiveDefiniteError:
-                    pass
-                else:
-                    return "Cholesky"
-            self._solve = ldlt(lower, groups).solve
-            return "LDLT"
-        # symmetric mode: pivots stay on the diagonal unless they are ten times smaller than another one of the column
-        options = {"SymmetricMode": True}
-        self._solve = splu(
-            sp.csc_array(self._inner), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1, options=options
-        ).solve
-        return "LU"
+    def _factorised(self, groups: NDArray[np.int32]) -> Cholesky | IndefiniteFactor | ScaledLU:
+        if not self._symmetric or np.iscomplexobj(self._inner.data):
+            return ScaledLU(self._inner)
+        lower = _with_diagonal(self._inner)
+        if (self._inner.diagonal() > 0.0).all():
+            with suppress(NotPositiveDefiniteError):
+                return cholesky(lower, groups, NO_UNKNOWNS)
+        return ldlt(lower, groups)
+
+    @property
+    def kind(self) -> str:
+        """Method: Cholesky, LDLT or LU."""
+        return getattr(self._factor, "kind", "Cholesky")
 
     @cached_property
     def condition(self) -> float:
@@ -316,7 +371,7 @@ class Factor:
         scale = _unit_scale(self._inner, 0 if self.kind == "Cholesky" else MAX_SCALINGS)
         probes = np.random.default_rng(0).standard_normal((n, PROBES)).astype(self._inner.dtype)
         try:
-            solved = self._solve(probes * (self._round_off / scale)[:, None]) / scale[:, None]
+            solved = self._factor.solve(probes * (self._round_off / scale)[:, None]) / scale[:, None]
         except SingularMatrixError:
             return np.inf
         norm = (scale * (abs(self._inner) @ scale)).max()
@@ -347,9 +402,12 @@ class Factor:
         if np.iscomplexobj(rhs) and not np.iscomplexobj(self._inner.data):
             return self.solve_free(rhs.real) + 1j * self.solve_free(rhs.imag)
         rhs = np.ascontiguousarray(rhs, dtype=self._inner.dtype)
-        solution = self._solve(rhs)
-        if digits < REFINED_BELOW:
-            solution = solution + self._solve(rhs - self._inner @ solution)
+        try:
+            solution = self._factor.solve(rhs)
+        except SingularMatrixError as error:
+            raise self._singular() from error
+        if digits < REFINED_BELOW and self.kind == "Cholesky":
+            solution = solution + self._factor.solve(rhs - self._inner @ solution)
         return solution
 
     def solve(self, load: ArrayLike, values: ArrayLike = 0.0) -> NDArray[Any]:
@@ -391,9 +449,12 @@ class Factor:
         scaled = sp.csc_array(sp.diags_array(scale) @ self._inner @ sp.diags_array(scale))
         round_off = EPS * float(self._round_off.max()) * abs(scaled).sum(axis=1).max()
         n = scaled.shape[0]
-        raised = splu(scaled + SHIFT * sp.eye_array(n, format="csc"), permc_spec="MMD_AT_PLUS_A")
         motions = np.random.default_rng(0).standard_normal((n, min(4, n))).astype(scaled.dtype)
-        for _ in range(4):
+        try:
+            raised = splu(scaled + SHIFT * sp.eye_array(n, format="csc"), permc_spec="MMD_AT_PLUS_A")
+        except RuntimeError:  # of nonsymmetric matrices the shift may change nothing beyond round-off
+            motions = motions[:, :0]
+        for _ in range(4 if motions.size else 0):
             motions = np.linalg.qr(raised.solve(motions))[0]
         _, energies, turned = np.linalg.svd(scaled @ motions, full_matrices=False)
         null = (motions @ turned.conj().T)[:, energies < round_off / SINGULAR]
