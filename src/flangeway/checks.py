@@ -42,6 +42,13 @@ def are_finite(values: object, n: int) -> bool:
     return isinstance(values, Sequence) and len(values) == n and all(map(is_finite, values))
 
 
+def parsed_number(text: str) -> float:
+    """Return the number that a text in a file means; a `ValueError` for 6_0, which `float` reads as 60."""
+    if "_" in text:
+        raise ValueError(f"{short(text)} is no number")
+    return float(text)
+
+
 def as_numbers(what: str, values: object, allowed: str = "numbers", advice: str = "correct them") -> Floats:
     """Return numbers in an array; texts, truth values, objects and rows of different lengths are an `InputError`."""
     try:

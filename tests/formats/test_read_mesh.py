@@ -363,7 +363,7 @@ def test_reading_joins_what_a_space_refuses(tmp_path, gap, size):
         write_vtu(tmp_path / "two.vtu", both.merged(far))
         read = read_mesh(tmp_path / "two.vtu")
         assert read.mesh.n_points == n_points + 4
-        assert ["made one" in notice for notice in read.notices] == [True] * (n_points == 15)
+        assert sum("made one" in notice for notice in read.notices) == (n_points == 15)
         Space(read.mesh, Virtual(1))
 
 

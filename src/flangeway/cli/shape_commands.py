@@ -158,7 +158,7 @@ def section(
     mirror: Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")] = False,
     layer: Annotated[
         list[str] | None,
-        typer.Option("--layer", metavar="NAME", help="Layer of a DXF file, also a hidden one; several times for several."),
+        typer.Option("--layer", metavar="NAME", help="Layer of a DXF file, shown or hidden; repeat it for several."),
     ] = None,
     out: Out = None,
     *,

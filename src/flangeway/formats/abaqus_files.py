@@ -10,8 +10,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
+from flangeway.checks import parsed_number
 from flangeway.errors import MAX_LETTERS_OF_VALUE, InputError, short
-from flangeway.formats.mesh_repair import DrawnMesh
+from flangeway.formats.mesh_repair import DrawnMesh, second_order_sides
 from flangeway.geometry.arrays import sides_of
 from flangeway.types import Floats, Ints
 
@@ -118,6 +119,8 @@ _READ = {
     "INSTANCE": ("NAME", "PART"),
 }
 """Keywords that are read, with the parameters that are known."""
+WHOLE = re.compile(r"[+-]?[0-9]{1,18}(\.0*)?")  # what 64 bits hold
+MAX_MEMBERS = 5_000_000  # numbers in a set
 MAX_NAMED = 30
 _SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
 
@@ -176,6 +179,7 @@ class _Model:
     surfaces: defaultdict[str, list[tuple[str, str]]] = field(default_factory=lambda: defaultdict(list))
     notices: list[str] = field(default_factory=list)
     middles: list[int] = field(default_factory=list)
+    sides: list[Ints] = field(default_factory=lambda: [np.zeros((0, 3), dtype=np.int64)])
     n_instances: int = 0
 
 
@@ -256,8 +260,8 @@ def _take_nodes(model: _Model, block: _Block) -> None:
         raise InputError(f"{block.place} in another system", "rectangular coordinates", "export them as such")
     for row in block.rows:
         try:
-            number = int(row[0])
-            coordinates = [float(word.upper().replace("D", "E")) for word in row[1:4]]
+            (number,) = _numbers(block, row[:1])
+            coordinates = [parsed_number(word.upper().replace("D", "E")) for word in row[1:4]]
         except ValueError as reason:
             raise InputError(
                 f"{block.place_of(row)}: {', '.join(row)}", "a number and coordinates", "repair it"
@@ -295,6 +299,8 @@ def _take_elements(model: _Model, block: _Block) -> None:
             f"{n_nodes + 1} for each element: its own and {n_nodes} nodes",
             "repair the lines",
         )
+    if plane:
+        model.sides.append(second_order_sides(np.reshape(flat, (-1, n_nodes + 1))[:, 1:], n_corners))
     for start in range(0, len(flat), n_nodes + 1):
         number, nodes = flat[start], flat[start + 1 : start + 1 + n_nodes]
         corners = nodes[:n_corners] if plane else nodes[:: n_nodes - 1]  # a line's middle is its second node
@@ -310,20 +316,32 @@ def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
     """Numbers of a set: given one by one, as ranges, or by the names of other sets."""
     members: list[int] = []
     for row in block.rows:
+        further: list[Sequence[int]] = []
         if "GENERATE" in block.parameters:
             limits = _numbers(block, row)
             if len(limits) not in (2, 3) or limits[-1] < 1:
                 raise InputError(f"{block.place}: {', '.join(row)}", "first, last and step", "repair the line")
-            members += range(limits[0], limits[1] + 1, limits[2] if len(limits) == 3 else 1)
-            continue
-        for word in row:
-            name = word.strip('"').rpartition(".")[2]
-            if name.lstrip("-").isdigit():
-                members.append(int(name))
-            elif name in sets:
-                members += sets[name]
-            else:
-                raise InputError(f"{block.place} with the set '{word}'", "sets defined before", "reorder the file")
+            further.append(range(limits[0], limits[1] + 1, limits[2] if len(limits) == 3 else 1))
+        else:
+            for word in row:
+                name = word.strip('"').rpartition(".")[2]
+                if WHOLE.fullmatch(word):
+                    further.append(_numbers(block, [word]))
+                elif name in sets:
+                    further.append(sets[name])
+                else:
+                    raise InputError(
+                        f"{block.place} with the set {short(word)}",
+                        "whole numbers, and sets defined before",
+                        "correct it",
+                    )
+        for numbers in further:
+            # before anything is expanded; the length of a range beyond the machine's integers has no number
+            if (isinstance(numbers, range) and numbers.stop - numbers.start > MAX_MEMBERS * numbers.step) or (
+                len(members) + len(numbers) > MAX_MEMBERS
+            ):
+                raise InputError(f"{block.place} of more than {MAX_MEMBERS} numbers", "a set of the mesh", "correct it")
+            members += numbers
     return members
 
 
@@ -333,8 +351,7 @@ def _take_surface(model: _Model, block: _Block) -> None:
     if kind == "NODE":
         for row in block.rows:
             word = row[0].rpartition(".")[2]
-            members = [int(word)] if word.isdigit() else model.node_sets.get(word, [])
-            model.node_sets[name] += members
+            model.node_sets[name] += [int(word)] if WHOLE.fullmatch(word) else model.node_sets.get(word, [])
     elif kind == "ELEMENT":
         model.surfaces[name] += [
             (row[0].rpartition(".")[2], row[1].upper() if len(row) > 1 else "") for row in block.rows
@@ -367,8 +384,18 @@ def _drawn(model: _Model) -> DrawnMesh:
                 "nodes that the file lists under *NODE",
                 "add the node, or correct the element",
             )
+    sides = np.concatenate(model.sides).tolist()
     row_of = {number: row for row, number in enumerate(model.cells)}
     cell_sets, surfaces = {}, {}
+    for kind, sets, known in (
+        ("Element", model.element_sets, row_of.keys() | model.lines.keys()),
+        ("Node", model.node_sets, row_of_node.keys()),
+    ):
+        for name, members in sets.items():
+            if n_unknown := sum(number not in known for number in members):
+                model.notices.append(
+                    f"{kind} set '{name}': {n_unknown} of {len(members)} numbers are not in the file; left out."
+                )
     for name, members in model.element_sets.items():
         rows = [row_of[number] for number in members if number in row_of]
         pairs = [model.lines[number] for number in members if number in model.lines]
@@ -393,11 +420,12 @@ def _drawn(model: _Model) -> DrawnMesh:
         },
         tuple(model.notices),
         np.array([row_of_node[node] for node in model.middles if node in row_of_node], dtype=np.int64),
+        np.array([[row_of_node[n] for n in side] for side in sides if side[2] in row_of_node], np.int64).reshape(-1, 3),
     )
 
 
 def _numbers(block: _Block, row: Sequence[str]) -> list[int]:
-    try:
-        return [int(word) for word in row]
-    except ValueError as reason:
-        raise InputError(f"{block.place}: {', '.join(row)}", "whole numbers", "repair the line") from reason
+    """Whole numbers of a row; 1.0 is one, as spreadsheets write it."""
+    if not all(map(WHOLE.fullmatch, row)):
+        raise InputError(f"{block.place}: {short(', '.join(row))}", "whole numbers", "repair the line")
+    return [int(word.partition(".")[0]) for word in row]

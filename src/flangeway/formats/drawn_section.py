@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from flangeway.checks import is_finite
+from flangeway.checks import is_finite, parsed_number
 from flangeway.errors import InputError, located, short
 from flangeway.geometry.arrays import Point, cross_product, norms, point_text, sides_of
 from flangeway.geometry.outline import JOINT_TOLERANCE, Outline, _joined
@@ -312,10 +312,10 @@ def _point(row: Mapping[str, str], x: str, y: str, number: int) -> Point:
     def coordinate(key: str) -> float:
         text = row.get(key, "")
         try:
-            return float(text)
+            return parsed_number(text)
         except ValueError:
             raise InputError(
-                f"line {number}: {key} = {text!r}", "a number, with a decimal point", "correct this cell"
+                f"line {number}: {key} = {short(text)}", "a number, with a decimal point", "correct this cell"
             ) from None
 
     return coordinate(x), coordinate(y)

@@ -16,12 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError, located
 from flangeway.formats.abaqus_files import read_abaqus
-from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
+from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh, second_order_sides
 from flangeway.mesh.connectivity import next_in_row
 from flangeway.mesh.curved import PIECES, as_polylines
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
-from flangeway.types import Ints
+from flangeway.types import Indices, Ints
 
 _CORNERS = {
     **dict.fromkeys(("line", *(f"line{n}" for n in range(3, 12)), "VTK_LAGRANGE_CURVE"), 2),
@@ -32,6 +32,11 @@ _CORNERS = {
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
 _VTK_TYPES = {"line": 3, "triangle": 5, "polygon": 7, "hexahedron": 12}
+OWN_ARRAYS = ("cell_number", "body_id")  # of `write_vtu`, which are no sets
+GROUPS = ("gmsh:physical", "medit:ref")
+"""Numbers of groups of cells, which may have names."""
+CELL_SET, EDGE_SET = "cell_set:", "edge_set:"
+"""Before the names of sets in VTU files."""
 _BLOCK_BYTES = 1 << 15
 """Bytes of a VTU file that are compressed at once."""
 
@@ -39,13 +44,16 @@ _BLOCK_BYTES = 1 << 15
 def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     """Read a plane mesh of triangles, quadrilaterals or polygons.
 
-    - Gmsh (``.msh``, versions 2.2 and 4.1): physical surfaces become cell sets, physical curves edge sets, by
+    - Gmsh (``.msh``, versions 2.2, 4.0 and 4.1): physical surfaces become cell sets, physical curves edge sets, by
       their names or, where they have none, their numbers.
     - Abaqus (``.inp``): element sets become cell sets, surfaces and node sets edge sets.
-    - What meshio reads by the file's ending, such as VTU with polygons, VTK, XDMF, MED, Nastran. Cells of a VTU written
-      by `write_vtu` get their numbers back.
+    - What meshio reads by the file's ending, such as Medit, VTU with polygons, VTK, XDMF, MED, Nastran. Cells with the
+      same number in an array of integers become a cell set, or lines an edge set: ``"3"`` of Medit's references,
+      ``"material_3"`` of an array ``material``. Of `write_vtu`, cells get their numbers back, and sets their names.
 
-    Cells of second or higher order are read as the polygons of their corners. Clockwise cells are turned, cells given
+    Cells of second or higher order are read as the polygons of their corners. Sides of second order whose middle is
+    beside the chord become arcs through both ends and it, see `EdgeCurves`; elements of order 2 have the nodes of the
+    file then. Clockwise cells are turned, cells given
     twice and unused points left out, points at one place made one, points that hang on an edge added to its cell; each
     with a notice. Edge sets hold boundary edges.
 
@@ -54,7 +62,8 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     path
         The file.
     merge_points
-        Whether points at the same place become one. With False a crack, or bodies that touch, stay apart.
+        Whether points at the same place become one. With False a crack, or bodies that touch, stay apart, and bodies
+        without a common point may overlap.
 
     Returns
     -------
@@ -90,10 +99,11 @@ def _read_meshio(file: Path) -> DrawnMesh:
     suffix = suffix if suffix in known else file.suffix.lower()
     if suffix not in known:
         raise InputError(f"{file} with the ending '{suffix}'", ", ".join(sorted(known)), "export another format")
-    start = file.read_bytes()[:20]
+    with file.open("rb") as stream:
+        start = stream.read(20)
     kind = "gmsh" if suffix == ".msh" and start.startswith(b"$MeshFormat") else known[suffix][0]
-    if kind == "gmsh" and start.split()[1:2] == [b"4"]:
-        raise InputError(f"{file} in Gmsh's format 4.0", "4.1 or 2.2", "open it in Gmsh, and export it again")
+    gmsh_readers = meshio.gmsh.main._readers
+    gmsh_readers["4"] = gmsh_readers["4.0"]  # as Gmsh writes it, and the library does not
     printed_text = io.StringIO()
     try:
         # meshio prints faults on the console and ends the program on some
@@ -114,7 +124,9 @@ def _read_meshio(file: Path) -> DrawnMesh:
     printed = " ".join(printed_text.getvalue().split())
     if "cannot handle" in printed:
         raise InputError(f"{file}: {printed}", "triangles, quadrilaterals and polygons", "export these only")
-    names = _physical_names(file) if kind == "gmsh" else {}
+    groups = [(name, np.ravel(value)) for name, value in read.field_data.items()]  # number and dimension of each
+    names = {(int(group[1]), int(group[0])): name for name, group in groups if len(group) == 2}
+    names = _physical_names(file) if kind == "gmsh" else names
     return _drawn(read, names, (f"Said when reading: {printed}",) if printed else ())
 
 
@@ -128,6 +140,7 @@ def _physical_names(file: Path) -> dict[tuple[int, int], str]:
 def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...]) -> DrawnMesh:
     cells: list[Ints] = []
     middles: list[Ints] = []
+    sides: list[Ints] = [np.zeros((0, 3), dtype=np.int64)]
     cell_sets: defaultdict[str, list[Ints]] = defaultdict(list)
     edge_sets: defaultdict[str, list[Ints]] = defaultdict(list)
     numbers: list[Ints] = []
@@ -146,6 +159,7 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
             raise InputError("a cell with a point that is missing", f"points 0 to {len(read.points) - 1}", "repair it")
         corners = rows[:, :n_corners].astype(np.int64)
         middles.append(rows[:, n_corners:].ravel().astype(np.int64))
+        sides.append(second_order_sides(rows.astype(np.int64), n_corners))
         sets = _sets_of(read, block, names, 1 if n_corners == 2 else 2)
         for name, members in sets.items():
             if n_corners == 2:
@@ -161,6 +175,9 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
         order = np.concatenate(numbers).astype(np.int64)
         cells = [cells[row] for row in np.argsort(order)]
         drawn_sets = {name: order[members] for name, members in drawn_sets.items()}
+    for name, pairs in read.field_data.items():
+        if name.startswith(EDGE_SET):
+            edge_sets[name.removeprefix(EDGE_SET)].append(np.reshape(pairs, (-1, 2)).astype(np.int64))
     point_sets = {str(name): np.asarray(members, dtype=np.int64) for name, members in read.point_sets.items()}
     return DrawnMesh(
         read.points,
@@ -170,22 +187,31 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
         point_sets,
         notices,
         np.concatenate(middles) if middles else np.zeros(0, dtype=np.int64),
+        np.concatenate(sides),
     )
 
 
 def _sets_of(read: Any, block: int, names: dict[tuple[int, int], str], dimension: int) -> dict[str, Ints]:
-    """Members of the named sets and of Gmsh's physical groups in a block of cells."""
+    """Members of the named sets, of groups, and of the cells with the same number, in a block of cells.
+
+    Groups are those of Gmsh and the references of Medit; other numbers have the name of their array before them.
+    """
     sets: dict[str, Ints] = {}
     for name, parts in read.cell_sets.items():
         members = np.asarray(parts[block] if parts[block] is not None else [], dtype=np.int64)
         if len(members) and not name.startswith("gmsh:"):
             sets[str(name)] = members
-    if "gmsh:physical" in read.cell_data:
-        tags = np.asarray(read.cell_data["gmsh:physical"][block])
-        for tag in np.unique(tags[tags > 0]).tolist():
-            name = names.get((dimension, tag), str(tag))
-            tagged = np.flatnonzero(tags == tag)
-            sets[name] = np.union1d(sets[name], tagged) if name in sets else tagged
+    for array, values in read.cell_data.items():
+        numbers = np.asarray(values[block])
+        numbers = numbers[:, 0] if numbers.ndim == 2 and numbers.shape[1] == 1 else numbers
+        if numbers.ndim != 1 or numbers.dtype.kind not in "iu" or array in (*OWN_ARRAYS, "gmsh:geometrical"):
+            continue
+        is_set = array.startswith(CELL_SET)
+        for number in np.unique(numbers[numbers > 0] if is_set or array == "gmsh:physical" else numbers).tolist():
+            name = array.removeprefix(CELL_SET) if is_set else f"{array}_{number}"
+            name = names.get((dimension, number), str(number)) if array in GROUPS else name
+            members = np.flatnonzero(numbers == number)
+            sets[name] = np.union1d(sets[name], members) if name in sets else members
     return sets
 
 
@@ -202,9 +228,10 @@ def write_vtu(
     """Write a mesh with values at points and cells, binary and compressed.
 
     Triangles are written as such (VTK type 5), all other cells as polygons (type 7). Cells are grouped by their number
-    of points; the cell array ``cell_number`` is the number in `mesh`, or that which `cell_data` has under this name,
-    such as the number of the element of which a cell is a piece. Vectors of two components get a third one, zero;
-    symmetric tensors have six: xx, yy, zz, xy, yz, xz, as ParaView names them.
+    of points; cell sets are cell arrays of 0 and 1, ``cell_set:NAME``, edge sets are field data, ``edge_set:NAME``, and
+    `read_mesh` reads both. The cell array ``cell_number`` is the number in `mesh`, or that which `cell_data` has under
+    this name, such as the number of the element of which a cell is a piece. Vectors of two components get a third one,
+    zero; symmetric tensors have six: xx, yy, zz, xy, yz, xz, as ParaView names them.
 
     A curved edge is written as a polyline of 16 pieces with values between those of its ends: the file shows the
     curves, but a mesh that is read from it has straight edges.
@@ -246,14 +273,21 @@ def write_vtu(
         )
         mesh = as_polylines(mesh)
         space = np.column_stack((mesh.points, np.zeros(mesh.n_points)))
+    edge_sets: Mapping[str, Indices] = mesh.edge_sets
+    masks = {}
+    for name, members in mesh.cell_sets.items():
+        masks[CELL_SET + name] = np.isin(np.arange(mesh.n_cells), members).astype(np.uint8)
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
         space = space[mesh.cell_points]
+        edge_sets = {name: mesh.rim_entries[mesh.boundary_rows(pairs, name)] for name, pairs in edge_sets.items()}
         mesh = mesh.apart()
     batches = mesh.batches()
     blocks = [("triangle" if n == 3 else "polygon", mesh.batch_points(n, cells)) for n, cells in batches]
     order = np.concatenate([cells for _, cells in batches])
-    _write_blocks(path, space, blocks, at_points, {name: array[order] for name, array in at_cells.items()})
+    ordered = {name: array[order] for name, array in (at_cells | masks).items()}
+    whole = {EDGE_SET + name: pairs.astype(np.int32) for name, pairs in edge_sets.items()}
+    _write_blocks(path, space, blocks, at_points, ordered, whole)
 
 
 def _between(mesh: PolyMesh, values: NDArray[Any], *, at_entries: bool) -> NDArray[Any]:
@@ -349,8 +383,9 @@ def _write_blocks(
     blocks: list[tuple[str, NDArray[Any]]],
     point_data: Mapping[str, ArrayLike],
     cell_data: Mapping[str, NDArray[Any]],
+    field_data: Mapping[str, NDArray[Any]] | None = None,
 ) -> None:
-    """Write points, blocks of cells of one kind, and arrays at the points and at the cells, in the order of these."""
+    """Write points, blocks of cells of one kind, arrays at points and at cells, in their order, and other arrays."""
     file = Path(path)
     if file.suffix != ".vtu":
         raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
@@ -363,16 +398,18 @@ def _write_blocks(
             "types": np.concatenate([np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8) for kind, cells in blocks]),
         }
         parts["CellData"] = dict(cell_data)
+    fields = "".join(_vtu_array(*item) for item in (field_data or {}).items())
+    fields = fields and f"<FieldData>{fields}</FieldData>"
     text = "".join(
         f"<{part}>{''.join(_vtu_array(*item) for item in arrays.items())}</{part}>" for part, arrays in parts.items()
     )
     n_cells = sum(len(cells) for _, cells in blocks)
     file.write_text(
         '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
-        'compressor="vtkZLibDataCompressor"><UnstructuredGrid>'
+        f'compressor="vtkZLibDataCompressor"><UnstructuredGrid>{fields}'
         f'<Piece NumberOfPoints="{n}" NumberOfCells="{n_cells}">{text}</Piece>'
         "</UnstructuredGrid></VTKFile>\n",
-        encoding="ascii",
+        encoding="utf-8",
     )
 
 
@@ -387,6 +424,7 @@ def _vtu_array(name: str, values: NDArray[Any]) -> str:
     compressed = [zlib.compress(block, 1) for block in blocks]
     sizes = [len(blocks), _BLOCK_BYTES, len(blocks[-1]) if blocks else 0, *map(len, compressed)]
     components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
+    components += f' NumberOfTuples="{len(values)}"'
     content = b"".join(map(base64.b64encode, (np.array(sizes, dtype="<u4").tobytes(), b"".join(compressed)))).decode()
     return (
         f'<DataArray type="{kind}{8 * values.dtype.itemsize}" Name={quoteattr(name)}{components} format="binary">'

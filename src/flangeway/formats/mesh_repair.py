@@ -1,14 +1,17 @@
 """A sound mesh from what a file gives: small faults are repaired with a notice, the rest is refused."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, cross_product, extent, norms
+from flangeway.geometry.arrays import IntArray, as_point, cross_product, extent, norms, turned_right
+from flangeway.geometry.segments import Arc
 from flangeway.mesh.connectivity import (
+    EdgeCurves,
+    edge_places,
     first_connected,
     next_in_row,
     offsets_of,
@@ -20,6 +23,7 @@ from flangeway.mesh.mesh_checks import check, conforming, hanging_points, touchi
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Indices, Ints, floats
 
+MIN_SAGITTA = 1e-5  # distance of the middle of a side from its chord, relative to this, above which it is curved
 MAX_HEIGHT = 1e-9  # range of the third coordinate, relative to the size of the mesh, up to which a mesh is plane
 
 
@@ -28,8 +32,8 @@ class DrawnMesh:
     """A mesh as a file gives it: not checked yet.
 
     Points (n, 2) or (n, 3), the points of each cell, sets of cells, of pairs of points and of points by name (the last
-    ones are the boundary edges with both ends among them), what reading left out or changed, and the numbers of the
-    points inside edges and cells of second or higher order.
+    ones are the boundary edges with both ends among them), what reading left out or changed, the numbers of the points
+    inside edges and cells of second or higher order, and ends and middle of sides of second order (m, 3).
     """
 
     points: Floats
@@ -39,6 +43,17 @@ class DrawnMesh:
     point_sets: Mapping[str, Indices] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
     middles: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    sides: Ints = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+
+
+def second_order_sides(rows: Indices, n_corners: int) -> Ints:
+    """Ends and middles (m, 3) of the sides of cells of second order, rows of corners and then middles; else none."""
+    n_sides = n_corners if n_corners > 2 else 1
+    if rows.shape[1] - n_corners not in (n_sides, n_sides + (n_corners > 2)):
+        return np.zeros((0, 3), dtype=np.int64)
+    ends = np.arange(n_sides)
+    columns = np.column_stack((ends, (ends + 1) % n_corners, n_corners + ends))
+    return rows[:, columns].reshape(-1, 3).astype(np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +74,12 @@ class MeshFile:
         """
         mesh = self.mesh.part(np.concatenate([self.mesh.cell_set(name) for name in cell_sets]))
         cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
-        return repaired_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
+        drawn = DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets)
+        if mesh.curves is not None:
+            middles = mesh.n_points + np.arange(len(mesh.curves.pairs))
+            points = np.vstack((mesh.points, mesh.curves.points([0.5])[:, 0]))
+            drawn = replace(drawn, points=points, middles=middles, sides=np.column_stack((mesh.curves.pairs, middles)))
+        return repaired_mesh(drawn)
 
 
 def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
@@ -80,11 +100,6 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     spare[used] = False
     spare[drawn.middles] = False
     n_left_out = int(spare.sum())
-    if len(drawn.middles):
-        notices.append(
-            "Cells of second or higher order are read as the polygons of their corners, with straight edges; elements "
-            "here make their own nodes inside edges. `flangeway.mesh.curved(mesh, outline)` puts edges on arcs again."
-        )
     if n_left_out:
         notices.append(f"{_many(n_left_out, 'point')} of no cell left out.")
     mesh = PolyMesh(
@@ -99,8 +114,16 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
         if n_hanging:
             notices.append(f"{_many(n_hanging, 'point')} hanging on edges: made points of the cells there too.")
         mesh = conforming(mesh)
-    check(mesh, allow_hanging=not merge_points, allow_coincident=not merge_points)
+    apart = not merge_points
+    check(mesh, allow_hanging=apart, allow_coincident=apart, bodies_alone=apart)
     new = places_among(used, len(points))[numbers]
+    mesh = with_arcs(mesh, new[drawn.sides[:, :2]], points[drawn.sides[:, 2]])
+    if len(drawn.middles):
+        curved = 0 if mesh.curves is None else len(mesh.curves.pairs)
+        notices.append(
+            f"Cells of second or higher order are read as the polygons of their corners; {_many(curved, 'side')} of "
+            "second order became arcs through their three points. Elements here make their own nodes inside edges."
+        )
     for name, pairs in drawn.edge_sets.items():
         mesh = _with_edges(mesh, name, new[np.asarray(pairs)], notices)
     for name, members in drawn.point_sets.items():
@@ -114,6 +137,35 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
         else:
             notices.append(f"Node set '{name}': no boundary edge has both ends in it; left out.")
     return MeshFile(mesh, tuple(notices))
+
+
+def with_arcs(mesh: PolyMesh, pairs: Indices, middles: Floats) -> PolyMesh:
+    """Put edges on arcs through their ends (m, 2), -1 where one is left out, and middles (m, 2), unless straight.
+
+    The circle through the origin, b, and a point m has its centre at ``(|m|^2 b' - |b|^2 m') / (2 m x b)`` with the
+    prime for a quarter of a turn to the right.
+    """
+    rows = np.flatnonzero((pairs >= 0).all(axis=1))
+    number, known = edge_places(pairs[rows], mesh.edges, mesh.n_points)
+    rows = rows[known][np.unique(number[known], return_index=True)[1]]
+    start = mesh.points[pairs[rows, 0]]
+    across, chord = middles[rows] - start, mesh.points[pairs[rows, 1]] - start
+    cross, square = cross_product(across, chord), (chord**2).sum(axis=1)
+    bent = np.abs(cross) > MIN_SAGITTA * square
+    if not bent.any():
+        return mesh
+    rows, start, across, chord = rows[bent], start[bent], across[bent], chord[bent]
+    offsets = (across**2).sum(axis=1)[:, None] * turned_right(chord) - square[bent, None] * turned_right(across)
+    centres = start + offsets / (2.0 * cross[bent, None])
+    ends = mesh.points[pairs[rows]]
+    arcs = tuple(
+        Arc(as_point(a), as_point(b), as_point(c), bool(left))
+        for (a, b), c, left in zip(ends, centres, cross[bent] > 0.0, strict=True)
+    )
+    n = len(rows)
+    return replace(
+        mesh, curves=EdgeCurves(pairs[rows].astype(np.int32), arcs, np.arange(n), np.tile([0.0, 1.0], (n, 1)))
+    )
 
 
 def _int32(values: Ints) -> IntArray:

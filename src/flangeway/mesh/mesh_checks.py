@@ -94,6 +94,7 @@ def check(
     area_tolerance: float = 1e-9,
     allow_hanging: bool = False,
     allow_coincident: bool = False,
+    bodies_alone: bool = False,
 ) -> None:
     """Check that cells are simple, positive, and fit together without gap or overlap.
 
@@ -119,6 +120,8 @@ def check(
         Whether points may lie inside edges of other cells.
     allow_coincident
         Whether several points may be at the same place.
+    bodies_alone
+        Whether cells may lie on others that no chain of cells with common points connects with them.
 
     Raises
     ------
@@ -132,8 +135,9 @@ def check(
         _check_cells(mesh)
         _check_sides(mesh)
         _check_edge_sets(mesh)
-        _check_boundary(mesh, cracks, allow_hanging=allow_hanging, allow_coincident=allow_coincident)
-        if not (cracks or allow_hanging or allow_coincident):
+        bodies = first_connected(mesh.edges, mesh.n_points) if bodies_alone else np.zeros(mesh.n_points, dtype=np.int64)
+        _check_boundary(mesh, cracks, bodies, allow_hanging=allow_hanging, allow_coincident=allow_coincident)
+        if not (cracks or allow_hanging or allow_coincident or bodies_alone):
             _sound.add(mesh)
     if region_area is not None:
         _check_sum(mesh, region_area, area_tolerance)
@@ -280,12 +284,18 @@ def _at_end(mesh: PolyMesh, touching: Meeting) -> tuple[Bools, Ints]:
     return at_end, ends[np.arange(len(ends)), apart.argmin(axis=1)].astype(np.int64)
 
 
-def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: bool, allow_coincident: bool) -> None:
-    """Refuse a boundary that touches itself where it is not meant to, crosses itself or encloses itself."""
+def _check_boundary(
+    mesh: PolyMesh, cracks: Iterable[str], bodies: Ints, *, allow_hanging: bool, allow_coincident: bool
+) -> None:
+    """Refuse a boundary of a body that touches itself where it is not meant to, crosses itself or encloses itself.
+
+    - `bodies`: number of the body of each point (n_points,).
+    """
     rim = mesh.boundary_edges
     touching = meeting(mesh.points, rim)
-    if len(touching.crossing):
-        (a, b), (c, d) = rim[touching.crossing[0]]
+    crossing = touching.crossing[np.ptp(bodies[rim[touching.crossing, 0]], axis=1) == 0]
+    if len(crossing):
+        (a, b), (c, d) = rim[crossing[0]]
         raise InputError(
             f"the boundary edges ({a}, {b}) and ({c}, {d}) near {point_text(mesh.points[a])} cross",
             "cells that do not lie on each other",
@@ -307,11 +317,11 @@ def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: boo
                 "points at the ends of edges",
                 "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
             )
-    _refuse_inner_boundary(mesh, rim)
+    _refuse_inner_boundary(mesh, rim, bodies)
 
 
-def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
-    """Refuse a boundary that lies inside of cells; it does not cross itself.
+def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray, bodies: Ints) -> None:
+    """Refuse a boundary that lies inside of cells of its body; it does not cross itself.
 
     Cells that are positive and fit together edge by edge cover a place as many times as the boundary goes around it,
     and this number is constant along a chain of edges. So one point beside each chain, on its left, shows it.
@@ -332,8 +342,9 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray) -> None:
     x, abscissae = np.sort(points[:, 0]), mesh.points[mesh.cell_points, 0]
     low, high = (end.reduceat(abscissae, mesh.cell_offsets[:-1]) for end in (np.minimum, np.maximum))
     cells = np.flatnonzero(np.searchsorted(x, high, side="right") > np.searchsorted(x, low))
-    inside = shapely.STRtree(mesh.polygons(cells)).query(shapely.points(points), predicate="intersects")[0]
-    times = np.bincount(inside, minlength=n_chains)
+    inside, around = shapely.STRtree(mesh.polygons(cells)).query(shapely.points(points), predicate="intersects")
+    own = bodies[rim[rows[inside], 0]] == bodies[mesh.cell_points[mesh.cell_offsets[cells[around]]]]
+    times = np.bincount(inside[own], minlength=n_chains)
     if times.max() > 1:
         a, b = rim[rows[times.argmax()]]
         raise InputError(

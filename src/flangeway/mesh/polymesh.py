@@ -241,8 +241,13 @@ class PolyMesh:
     @cached_property
     def boundary_edges(self) -> IntArray:
         """Edges with one cell, as pairs of points (m, 2) with the body on the left."""
+        return _frozen(self.cell_points[self.rim_entries])
+
+    @property
+    def rim_entries(self) -> Ints:
+        """Positions in `cell_points` of the ends of `boundary_edges` (m, 2)."""
         entries = self._numbered.single
-        return _frozen(np.column_stack([self.cell_points[entries], self.cell_points[self._following[entries]]]))
+        return np.column_stack((entries, self._following[entries]))
 
     @property
     def doubled_edges(self) -> Ints:

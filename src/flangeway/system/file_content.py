@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from flangeway.checks import check_kind
+from flangeway.checks import check_kind, parsed_number
 from flangeway.errors import InputError, located
 from flangeway.types import Floats, Key
 
@@ -140,7 +140,7 @@ def number_table(file: Path, columns: Sequence[str], what: str) -> Floats:
     for line, (number, cells) in zip(values, rows, strict=True):
         texts = [cells[name] for name in columns]
         try:
-            line[:] = [float(text) for text in texts]
+            line[:] = [parsed_number(text) for text in texts]
         except ValueError as reason:
             raise InputError(
                 f"{file}, line {number}: {','.join(texts)!r}", "a number in each column", "correct it"

@@ -362,11 +362,11 @@ class _Builder:
         points = self.meshes[name].points[np.unique(free)]
         # left out, curved is true where the outline has arcs
         curve = None if table.curved is False else self.shapes[name].curve(edges, points)
-        if curve is None and table.curved:
+        if curve is None and table.curved and self.meshes[name].curves is None:
             raise InputError(
-                f"{key}.curved = true for {name!r}, whose mesh came without an outline",
-                "bodies whose outlines are given",
-                "give its shape as an outline, or leave curved out and take elements far smaller than its radii",
+                f"{key}.curved = true for {name!r}, whose mesh came without curves",
+                "bodies with an outline, or with curved sides of second order in the mesh file",
+                "give its shape as an outline, or export cells of second order",
             )
         if curve is not None and not table.curved and not any(isinstance(side, Arc) for side in curve.segments):
             curve = None

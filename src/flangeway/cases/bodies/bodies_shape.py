@@ -29,6 +29,7 @@ from flangeway.contact.node_to_segment import OPEN_SLACK
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
+from flangeway.formats.mesh_repair import with_arcs
 from flangeway.formats.outline_files import ENDINGS, outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
 from flangeway.geometry.arrays import norms
@@ -486,7 +487,8 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             'set method = "vem"',
         )
     factor = UNITS_MM[body.unit or "mm"]
-    return replace(mesh, points=mesh.points * factor)
+    in_mm, curves = replace(mesh, points=mesh.points * factor, curves=None), mesh.curves
+    return in_mm if curves is None else with_arcs(in_mm, curves.pairs, curves.points([0.5])[:, 0] * factor)
 
 
 def _in_mm(outline: Outline, factor: float) -> Outline:
