@@ -93,6 +93,17 @@ def test_a_gap_under_pressure_is_warned_of() -> None:
         assert any("apart under pressure" in each for each in checks.warnings) == warns
 
 
+def test_contacts_without_names_are_called_by_their_parts() -> None:
+    """Warnings of a barrier's gap name both parts; a name too many and a text in place of a list are refused."""
+    solution = moved(blocks(NodeToSegment(), Barrier(1.0, 0.01)), (0.0, -0.01))
+    patches = pressure_patches(solution.system, solution.state)
+    checks = check_contact(solution.system, solution.state, patches)
+    assert any(all(part.name in each for part in solution.system.parts) for each in checks.warnings)
+    for names in (["one", "another"], "contact"):
+        with pytest.raises(InputError, match="one name for each"):
+            check_contact(solution.system, solution.state, patches, names)
+
+
 @pytest.mark.parametrize(("slide", "converged"), [(0.05, True), (0.5, False)])
 def test_nodes_that_left_their_partners_have_not_converged(slide: float, converged: bool) -> None:
     """A slide by a tenth of an edge is small; one by an edge or two fails, with the advice to match the boundaries."""

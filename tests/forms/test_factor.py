@@ -105,3 +105,42 @@ def test_wrong_matrices_and_loads_are_refused():
         Factor(K * np.nan)
     with pytest.raises(InputError, match="shape"):
         Factor(K[:5])
+
+
+@pytest.mark.parametrize("shape", [(), (2,)])
+def test_unknowns_that_are_all_prescribed_are_returned(shape):
+    """No unknown is left: the prescribed values, for one component and for two."""
+    matrix = stiffness(SPACE) if shape == () else stiffness(SPACE, ELASTIC)
+    values = np.random.default_rng(3).standard_normal((SPACE.n_dofs, *shape))
+    factor = Factor(matrix, np.arange(SPACE.n_dofs), 1 if shape == () else 2)
+    np.testing.assert_array_equal(factor.solve(np.ones_like(values), values), values)
+    assert factor.condition == 1.0
+
+
+TWO = sp.csr_array(np.array([[2.0, 1.0], [1.0, 2.0]]))
+
+
+@pytest.mark.parametrize("kind", [int, np.float32, np.complex64, np.float64])
+def test_matrices_of_any_numbers_are_solved_in_double_precision(kind):
+    """Whole numbers, single precision and complex numbers, dense or sparse: a third each."""
+    for matrix in (TWO.astype(kind), TWO.astype(kind).tocoo(), TWO.toarray().astype(kind).tolist()):
+        np.testing.assert_allclose(solve(matrix, [1, 1]), [1.0 / 3.0, 1.0 / 3.0], rtol=1e-15)
+
+
+WRONG = {
+    "no matrix": (None, [1.0, 1.0]),
+    "no unknowns": (sp.csr_array((0, 0)), []),
+    "a number for a load": (TWO, 5.0),
+    "a text for a load": (TWO, "up"),
+    "no load": (TWO, None),
+    "a sparse load": (TWO, sp.csr_array([[1.0, 1.0]])),
+    "values of another shape": (TWO, [1.0, 1.0], [0], [1.0, 2.0, 3.0]),
+    "a text for values": (TWO, [1.0, 1.0], [0], "up"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_natural_mistakes_are_named(name):
+    """What is no matrix, load or value is an `InputError`."""
+    with pytest.raises(InputError):
+        solve(*WRONG[name])

@@ -27,7 +27,7 @@ from flangeway.forms.weak import (
 from flangeway.mesh import PolyMesh
 from flangeway.post import ErrorNorms
 from flangeway.results import ResultTable
-from flangeway.solve.linear import Factor
+from flangeway.solve.linear import Factor, finite_numbers
 from flangeway.solve.status import Status
 from flangeway.space import Space
 from flangeway.types import Bools, Floats, Indices
@@ -81,7 +81,9 @@ def solve(
         If fewer than four digits of the solution are right.
 
     """
-    given = np.asarray(load)
+    given = finite_numbers("a load", load)
+    if given.ndim not in (1, 2):
+        raise InputError(f"a load of shape {given.shape}", "(n_dofs,) or (n_dofs, m)", "take load(space, ...)")
     return Factor(matrix, fixed, 1 if given.ndim == 1 else given.shape[1]).solve(given, values)
 
 

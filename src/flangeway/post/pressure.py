@@ -7,6 +7,7 @@ import numpy as np
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment, Surface
 from flangeway.contact.pairs import Constraints
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.results import Result, ResultTable, sentence
 from flangeway.types import Floats, Ints
@@ -377,7 +378,7 @@ def check_contact(
     system: ContactSystem,
     state: ContactState,
     patches: Sequence[PressurePatch],
-    names: Sequence[str],
+    names: Sequence[str] = (),
     finer: str = "take smaller elements there",
     stiffer: str = "raise the penalty",
 ) -> ContactChecks:
@@ -396,12 +397,28 @@ def check_contact(
     patches
         Its regions of contact, see `pressure_patches`.
     names
-        What the contacts are called in the sentences, one for each.
+        What the contacts are called in the sentences, one for each; left out: the names of their bodies.
     finer, stiffer
         How to get a finer mesh and a stiffer contact, for the advice.
+
+    Raises
+    ------
+    InputError
+        If there are names, but not one for each contact.
+
     """
     if not (np.isfinite(state.forces).all() and np.isfinite(state.positions).all()):
         return ContactChecks(errors=("forces or positions are not finite numbers",))
+    contacts = system.contacts
+    names = names or [
+        f"the contact of {contact.secondary.part.name} and {contact.primary.part.name}" for contact in contacts
+    ]
+    if isinstance(names, str) or len(names) != len(contacts):
+        raise InputError(
+            f"check_contact: names={short(names)}",
+            f"a list of {len(contacts)}, one name for each contact",
+            "leave them out for the names of the parts",
+        )
     errors: list[str] = []
     warnings: list[str] = []
     solved = system.solved(state.linearisation, state.forces)

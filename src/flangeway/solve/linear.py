@@ -13,6 +13,7 @@ from scipy.linalg import LinAlgWarning
 from scipy.sparse.linalg import splu
 
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError, SingularMatrixError
+from flangeway.checks import check_integer
 from flangeway.errors import InputError, short
 from flangeway.problems import LinearBody
 from flangeway.solve.constraints import refuse_floating
@@ -323,17 +324,12 @@ class Factor:
     def __init__(
         self, matrix: sp.sparray, fixed: NDArray[np.integer] | Bools | None = None, components: int = 1
     ) -> None:
-        n = matrix.shape[0] // components
-        if matrix.shape != (n * components, n * components) or not np.isfinite(matrix.data).all():
-            raise InputError(
-                f"a matrix of shape {matrix.shape} for {components} components, or one that is not finite",
-                "a square matrix of finite numbers, with as many rows as unknowns",
-                "use the same space and the same number of components for all forms",
-            )
+        check_integer("Factor", "components", components, 1)
+        self.matrix = _checked_matrix(matrix, components)
+        n = self.matrix.shape[0] // components
         self._shape = (n,) if components == 1 else (n, components)
         self.free = free_unknowns(fixed, self._shape)
-        self.matrix = sp.csr_array(matrix)
-        self._round_off = np.broadcast_to(getattr(matrix, "round_off", 1.0), matrix.shape[0])[self.free]
+        self._round_off = np.broadcast_to(getattr(matrix, "round_off", 1.0), self.matrix.shape[0])[self.free]
         groups = (np.flatnonzero(self.free) // components).astype(np.int32)
         self._symmetric = _symmetric(self.matrix)
         self._inner = self.matrix if self.free.all() else sp.csr_array(self.matrix[self.free][:, self.free])
@@ -342,7 +338,9 @@ class Factor:
         except SingularMatrixError as error:
             raise self._singular() from error
 
-    def _factorised(self, groups: NDArray[np.int32]) -> Cholesky | IndefiniteFactor | ScaledLU:
+    def _factorised(self, groups: NDArray[np.int32]) -> Cholesky | IndefiniteFactor | ScaledLU | None:
+        if not len(groups):  # every unknown is prescribed
+            return None
         if not self._symmetric or np.iscomplexobj(self._inner.data):
             return ScaledLU(self._inner)
         lower = _with_diagonal(self._inner)
@@ -353,8 +351,8 @@ class Factor:
 
     @property
     def kind(self) -> str:
-        """Method: Cholesky, LDLT or LU."""
-        return getattr(self._factor, "kind", "Cholesky")
+        """Method: Cholesky, LDLT or LU, or none where every unknown is prescribed."""
+        return "none" if self._factor is None else getattr(self._factor, "kind", "Cholesky")
 
     @cached_property
     def condition(self) -> float:
@@ -365,7 +363,7 @@ class Factor:
         Rows of a `FormMatrix` whose entries are off by more than the last bit have as many times larger numbers.
         """
         n = self._inner.shape[0]
-        if n == 0:
+        if self._factor is None:
             return 1.0
         # of a positive matrix with unit diagonal no entry is larger
         scale = _unit_scale(self._inner, 0 if self.kind == "Cholesky" else MAX_SCALINGS)
@@ -402,6 +400,8 @@ class Factor:
         if np.iscomplexobj(rhs) and not np.iscomplexobj(self._inner.data):
             return self.solve_free(rhs.real) + 1j * self.solve_free(rhs.imag)
         rhs = np.ascontiguousarray(rhs, dtype=self._inner.dtype)
+        if self._factor is None:
+            return rhs
         try:
             solution = self._factor.solve(rhs)
         except SingularMatrixError as error:
@@ -426,14 +426,23 @@ class Factor:
             All unknowns, shape of the load.
 
         """
-        given = np.asarray(load)
-        if given.size != self.matrix.shape[0] or not np.isfinite(given).all():
+        given = finite_numbers("a load", load)
+        if given.size != self.matrix.shape[0]:
             raise InputError(
-                f"a matrix of shape {self.matrix.shape} and a load of shape {given.shape}, or one that is not finite",
-                "as many rows as the load has numbers, all finite",
+                f"a matrix of shape {self.matrix.shape} and a load of shape {given.shape}",
+                "as many rows as the load has numbers",
                 "use the same space and the same number of components for both",
             )
-        prescribed = np.broadcast_to(np.asarray(values), given.shape)
+        try:
+            prescribed = np.broadcast_to(np.asarray(values), given.shape)
+        except ValueError:
+            prescribed = np.empty(0, dtype=object)
+        if prescribed.dtype.kind not in "biufc":
+            raise InputError(
+                f"prescribed values {short(values)} of shape {np.shape(values)}",
+                f"a number, or numbers of the load's shape {given.shape}",
+                "take interpolate(space, ...); only values of fixed unknowns are read",
+            )
         kind = np.result_type(self.matrix, given, prescribed, np.float64)
         solution = prescribed.astype(kind).ravel()
         solution[self.free] = 0.0
@@ -490,6 +499,35 @@ class Factor:
         number = "one motion has" if n_motions == 1 else f"{n_motions} motions have"
         shape = "" if m == 1 or constants.shape[1] == n_motions else ", not constant (such as a rotation)"
         return f"{number} no energy beyond round-off{shape}; the largest value is at unknown {at}"
+
+
+def finite_numbers(name: str, values: ArrayLike) -> NDArray[Any]:
+    """Return real or complex numbers in an array; what is not finite or no number is an `InputError`."""
+    numbers = np.asarray(values)
+    if numbers.dtype.kind not in "iufc" or not np.isfinite(numbers).all():
+        raise InputError(
+            f"{name} {short(values)} of type {numbers.dtype}, or not finite", "finite numbers", "correct them"
+        )
+    return numbers
+
+
+def _checked_matrix(matrix: Any, components: int) -> sp.csr_array:
+    """Return a square matrix of finite numbers, in double precision, with whole nodes of so many components."""
+    try:
+        checked = sp.csr_array(matrix)
+        shape = checked.shape
+        fits = (
+            checked.dtype.kind in "iufc" and len(shape) == 2 and shape[0] == shape[1] > 0 and shape[0] % components == 0
+        )
+    except (TypeError, ValueError):
+        shape, fits = short(matrix), False
+    if not fits or not np.isfinite(checked.data).all():
+        raise InputError(
+            f"a matrix of shape {shape} for {components} components, or one that is not finite",
+            "a square matrix of finite numbers, with as many rows as unknowns",
+            "use the same space and the same number of components for all forms",
+        )
+    return checked.astype(np.result_type(checked.dtype, np.float64), copy=False)
 
 
 def free_unknowns(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, ...]) -> Bools:

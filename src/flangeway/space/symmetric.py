@@ -214,10 +214,14 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
     def measured(
         cls, matrix: sp.sparray, motions: Floats, forces: Floats | None = None, least: Floats | float = 1.0
     ) -> "FormMatrix":
-        """Measure the round-off by the forces of motions (n,) or (n, m) without energy, or given ones of a part."""
+        """Measure the round-off by the forces of motions (n,) or (n, m) without energy, or given ones of a part.
+
+        The last bit is that of the terms of all motions: those of a motion across may be round-off themselves.
+        """
         result = cls(matrix)
         zeros = result @ motions if forces is None else forces
-        round_off = over_last_bit(zeros, abs(result) @ np.abs(motions)).reshape(result.shape[0], -1).max(axis=1)
+        forces, motions = (np.abs(array).reshape(len(array), -1) for array in (zeros, motions))
+        round_off = over_last_bit(forces.max(axis=1), abs(result) @ motions.sum(axis=1))
         result.round_off = np.maximum(round_off, least)
         return result
 
