@@ -13,6 +13,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from flangeway.checks import as_numbers, check_between, check_integer, check_positive
 from flangeway.errors import InputError
 from flangeway.forms.weak import (
+    JETS,
     Field,
     Form,
     FormRegion,
@@ -20,8 +21,8 @@ from flangeway.forms.weak import (
     Values,
     assembled_form,
     assembled_vector,
-    bilinear,
     integrand,
+    stabilisation_matrix,
     unit_fields,
 )
 from flangeway.mesh import PolyMesh
@@ -369,7 +370,7 @@ MAX_TANGENT_ERROR = 1e-3
 """Difference of a tangent from that of differences, relative to its largest product, that round-off explains."""
 SUFFICIENT_DECREASE = 1e-4
 MAX_HALVINGS = 10
-"""Step fractions down to 1/1024; then the step is taken as it is and the iteration ends."""
+"""Step fractions down to 1/512; then the step is taken as it is and the iteration ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -440,12 +441,13 @@ def newton(
     """
     first = as_numbers("first unknowns", start, "real numbers")
     problem = _Problem(space, form, first, fields or {}, boundary or {}, tangent, degree)
-    u, given = problem.start.copy(), np.broadcast_to(as_numbers("a load", load, "real numbers"), problem.start.shape)
-    residual, norms = problem.residual(u) - given, []
+    given = np.broadcast_to(as_numbers("a load", load, "real numbers"), first.shape)
+    u, norms = first.copy(), []
+    residual, matrix, stabilisation = problem.linearised(u)
     for iteration in range(max_iterations + 1):
-        matrix = problem.tangent(u)
         factor = Factor(matrix, fixed, problem.m)
-        norms.append(float(np.linalg.norm(residual.ravel()[factor.free])))
+        unbalanced = residual - given
+        norms.append(float(np.linalg.norm(unbalanced.ravel()[factor.free])))
         # round-off of the residual is relative to the forces that balance in it
         scale = max(norms[0], float(np.linalg.norm(abs(matrix) @ np.abs(u).ravel())) * 1e-5)
         if norms[-1] <= tolerance * scale:
@@ -453,17 +455,16 @@ def newton(
         if iteration == max_iterations:
             break
         if iteration == 1:
-            problem.check_tangent(u, matrix)
-        step = factor.solve(-residual)
+            problem.check_tangent(u, matrix - stabilisation)
+        step = factor.solve(-unbalanced)
         step.ravel()[~factor.free] = 0.0
-        fraction = 1.0
-        for _ in range(MAX_HALVINGS):
-            trial = problem.residual(u + fraction * step) - given
-            size = float(np.linalg.norm(trial.ravel()[factor.free]))
+        for fraction in 0.5 ** np.arange(MAX_HALVINGS):
+            trial = u + fraction * step
+            residual, matrix, stabilisation = problem.linearised(trial)
+            size = float(np.linalg.norm((residual - given).ravel()[factor.free]))
             if size <= (1.0 - SUFFICIENT_DECREASE * fraction) * norms[-1]:
                 break
-            fraction *= 0.5
-        u, residual = u + fraction * step, trial
+        u = trial
     reason = f"the residual is {norms[-1]:.1e} after {max_iterations} iterations"
     return NewtonSolution(u, Status(False, reason, max_iterations), tuple(norms))
 
@@ -481,20 +482,32 @@ class _Problem:
         tangent: Form | None,
         degree: int | None,
     ) -> None:
-        self.space, self.fields, self.start = space, dict(fields), start
+        self.space, self.fields = space, dict(fields)
         self.given_tangent, self.degree = tangent, degree
         self.m = 1 if start.ndim == 1 else start.shape[1]
         self.forms: list[tuple[str | None, Form]] = [(None, form), *boundary.items()]
-        self.stabilisation = sp.csr_array((start.size, start.size))
-        whole, plain = (self._cells_tangent(start, stabilise) for stabilise in (True, False))
-        self.stabilisation = whole - plain
 
     def _region(self, u: Floats, on: str | None) -> FormRegion:
-        return FormRegion((self.space, self.space), self.fields | {UNKNOWN: Field(self.space, u)}, on, self.degree)
+        fields = self.fields | {UNKNOWN: Field(self.space, u)}
+        if self.given_tangent is not None and on is None:
+            fields["u"] = fields[UNKNOWN]
+        return FormRegion((self.space, self.space), fields, on, self.degree)
 
-    def residual(self, u: Floats) -> Floats:
-        """Integrals of the form by all functions v, shape of u."""
-        total = (self.stabilisation @ u.ravel()).reshape(u.shape)
+    def linearised(self, u: Floats) -> tuple[Floats, sp.csr_array, sp.csr_array]:
+        """Integrals of the form by all functions v, shape of u, and their derivative with the stabilisation held.
+
+        The stabilisation is that of the derivative at u, times u.
+        """
+        tensor = self._tensor(self.forms[0][1], JETS, self.given_tangent)
+        stabilisation = stabilisation_matrix(self._region(u, None), tensor, self.m)
+        matrix = stabilisation + assembled_form(self._region(u, None), tensor, self.m, self.m, stabilise=False)
+        for on, form in self.forms[1:]:
+            matrix = matrix + assembled_form(self._region(u, on), self._tensor(form, 1, None), self.m, self.m, stabilise=False)
+        return self._integrals(u) + (stabilisation @ u.ravel()).reshape(u.shape), matrix, stabilisation
+
+    def _integrals(self, u: Floats) -> Floats:
+        """Integrals of the form by all functions v without what projections miss, shape of u."""
+        total = np.zeros(u.shape)
         for on, form in self.forms:
             region = self._region(u, on)
 
@@ -506,48 +519,31 @@ class _Problem:
             total = total + assembled_vector(region, vector, self.m)
         return total
 
-    def tangent(self, u: Floats) -> sp.csr_array:
-        """Derivative of `residual`, shape (m n_dofs, m n_dofs)."""
-        total = self.stabilisation + self._cells_tangent(u, stabilise=False)
-        for on, form in self.forms[1:]:
-            total = total + self._derived(self._region(u, on), form, stabilise=False)
-        return sp.csr_array(total)
+    def _tensor(self, form: Form, n_jets: int, tangent: Form | None) -> Callable[[SimpleNamespace], Values]:
+        """Derivative of a form by values and gradients of u at points, for those of v: (3 m, 3 m, n)."""
 
-    def _cells_tangent(self, u: Floats, stabilise: bool) -> sp.csr_array:
-        if self.given_tangent is None:
-            return self._derived(self._region(u, None), self.forms[0][1], stabilise)
-        fields = self.fields | {"u": Field(self.space, u)}
-        return bilinear(
-            self.space,
-            self.given_tangent,
-            components=self.m,
-            fields=fields,
-            degree=self.degree,
-            stabilise=stabilise,
-        )
-
-    def _derived(self, region: FormRegion, form: Form, stabilise: bool) -> sp.csr_array:
         def tensor(w: SimpleNamespace) -> Values:
-            n = len(w.points)
-            u = getattr(w, UNKNOWN)
-            units = unit_fields(n, self.m, region.n_jets)
-            rows = []
+            n, u = len(w.points), getattr(w, UNKNOWN)
+            units, columns = unit_fields(n, self.m, n_jets), []
             for unit in units:
+                if tangent is not None:
+                    columns.append([integrand(tangent(unit, v, w), n) for v in units])
+                    continue
                 moved = PointValues(
                     u.value + 1j * COMPLEX_STEP * unit.value,
                     None if u.gradients is None else u.gradients + 1j * COMPLEX_STEP * unit.gradient,
                 )
-                rows.append([integrand(form(moved, v, w), n).imag / COMPLEX_STEP for v in units])
-            return np.array(rows).transpose(1, 0, 2)
+                columns.append([integrand(form(moved, v, w), n).imag / COMPLEX_STEP for v in units])
+            return np.array(columns).transpose(1, 0, 2)
 
-        return assembled_form(region, tensor, self.m, self.m, stabilise)
+        return tensor
 
     def check_tangent(self, u: Floats, matrix: sp.csr_array) -> None:
-        """Raise `InputError` if the tangent's product with a direction is not the difference of residuals."""
+        """Raise `InputError` if the tangent's product with a direction is not the difference of integrals."""
         size = float(np.abs(u).max(initial=0.0)) or 1.0
         direction = np.random.default_rng(0).uniform(0.5, 1.0, u.shape) * size
         step = DIFFERENCE * direction
-        difference = (self.residual(u + step) - self.residual(u - step)) / (2.0 * DIFFERENCE)
+        difference = (self._integrals(u + step) - self._integrals(u - step)) / (2.0 * DIFFERENCE)
         product = (matrix @ direction.ravel()).reshape(u.shape)
         error = float(np.abs(product - difference).max() / max(np.abs(difference).max(), np.abs(product).max()))
         if error > MAX_TANGENT_ERROR:

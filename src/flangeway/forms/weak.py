@@ -429,6 +429,20 @@ def _add_stabilisation(local: Values, weighted: Values, functions: Functions, ba
                 local[:, i, :, j] += unit * missed * mean[i, j]
 
 
+def stabilisation_matrix(region: FormRegion, tensor: Callable[[SimpleNamespace], Values], m: int) -> sp.csr_array:
+    """Stabilisation alone of `assembled_form`, one space for both, shape (m n_dofs, m n_dofs)."""
+    parts = []
+    for w, weights, ((functions, dofs), _), batch in region.parts():
+        local = np.zeros((dofs.shape[0], m, dofs.shape[0], m, dofs.shape[1]))
+        if not batch.reconstruction.exact:
+            weighted = tensor(w).reshape(m, JETS, m, JETS, *weights.shape) * weights
+            _add_stabilisation(local, weighted, functions, batch)
+        numbers = (m * dofs[:, None] + np.arange(m)[:, None]).reshape(-1, dofs.shape[1])
+        parts.append((numbers, numbers, local.reshape(len(numbers), len(numbers), -1)))
+    n = m * region.spaces[0].n_dofs
+    return scattered(parts, (n, n))
+
+
 def linear(
     space: Space,
     form: LinearForm,

@@ -2,8 +2,17 @@
 
 Finite and virtual elements of any order take the gradient of the displacement from their reconstruction, so that the
 material sees polynomials of degree k - 1 (Artioli et al., 2017, Comput. Mech. 60, part II; Wriggers et al., 2017,
-Comput. Mech. 60). What they miss is stabilised with the scale of the tangent: of the undeformed body if the material
-has no history, so that it returns on its path, and else of the last step, added up over the steps.
+Comput. Mech. 60). What they miss has the elastic stabilisation S times a factor t that follows the material, and which
+is a secant, so that it is continuous where the tangent jumps. With the deviators s of the stress and e of the gradient,
+
+    t = |s| / |s_0 + 2 G r e|,   W = t z . S z / (2 r),   z = z_0 + r u,
+
+where u and e are increments since the state at the start of the step, in which the stress s_0, the amplitude z_0 and
+the shear modulus r G against unloading are known. A step ends with the amplitude t z: stress of what is missed relaxes
+by plastic flow as the deviator does in a radial return, so that it is bounded where the deviator is, by steps of any
+size, and never without stiffness. Materials without history have no other state than the undeformed body, z_0 = 0 and
+r = 1, to which they return. Forces are the derivative of the energy W. Its second derivative is replaced by
+``t r (L + L z dt / (t r))^T (...)`` with ``S = L^T L``, which is positive and exact where t is a constant over a norm.
 """
 
 from collections.abc import Mapping
@@ -15,7 +24,6 @@ import numpy as np
 from flangeway.elements import Reconstruction, monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import NonlinearMaterial
-from flangeway.materials.elastic import bulk_limited
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
@@ -25,6 +33,15 @@ from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
 MaterialByCells = NonlinearMaterial | Mapping[str, NonlinearMaterial]
+
+DEVIATORS = np.array([[[0.5, 0.0], [0.0, -0.5]], [[0.0, 0.5], [0.5, 0.0]]])
+"""Half of the difference of xx and yy, and the mean of xy and yx. Of a deformation they are half of the difference of
+its principal stretches, however it turns."""
+MIN_STRAIN, VOLUME_WEIGHT = 1e-6, 0.01
+"""Strain, and fraction of the change of volume, in both norms of the secant: without a deviator it is the elastic one.
+"""
+MIN_MODULUS = 1e-6
+"""Minimum shear modulus of a damaged material relative to the elastic one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +92,20 @@ class MaterialState:
         All unknowns, (n_dofs, 2).
     history
         History at the points of each batch, (n_points, n_history).
-    stabilisation
-        Stiffness (n_local, n_local, n_cells) of what the cells of each batch miss, None where nothing is.
-    missed_forces
-        Its forces (n_local, 2, n_cells).
+    deviators
+        Deviators of the stress at the points of each batch, (n_points, 2).
+    amplitudes
+        Elastic displacements that make the forces of what the cells of each batch miss, (n_local, 2, n_cells).
+    moduli
+        Shear modulus against unloading over the elastic one, (n_cells,) of each batch.
 
     """
 
     displacements: Floats
     history: list[Floats]
-    stabilisation: list[Floats | None]
-    missed_forces: list[Floats]
+    deviators: list[Floats]
+    amplitudes: list[Floats]
+    moduli: list[Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +118,13 @@ class _Points:
     slopes: Floats
     weights: Floats
     numbers: np.ndarray  # material of each point, (q * e,)
+    shear: Floats  # twice the elastic shear modulus of each point, (q * e,)
+    stabilisation: Floats | None  # of the elastic material, (m, m, e)
+
+    def at_cells(self, values: Floats) -> Floats:
+        """Values at points (q * e, ...) times weights, (q, e, ...)."""
+        whole = values.reshape(*self.weights.shape, *values.shape[1:])
+        return whole * self.weights.reshape(*self.weights.shape, *[1] * (values.ndim - 1))
 
 
 class NonlinearBody:
@@ -136,8 +163,7 @@ class NonlinearBody:
         self.n_history = max(material.n_history for material in self.materials)
         self._points = [self._batch_points(batch, numbers.astype(int)) for batch in problem.space.batches()]
 
-    @staticmethod
-    def _batch_points(batch: CellBatch, numbers: np.ndarray) -> _Points:
+    def _batch_points(self, batch: CellBatch, numbers: np.ndarray) -> _Points:
         reconstruction = batch.reconstruction
         energetic = reconstruction.for_energy
         degree = energetic.order - 1
@@ -148,7 +174,15 @@ class NonlinearBody:
         values = monomials.evaluate(degree, energetic.frame.local(at))
         # d_x B_m(q) = sum over monomials a of p_a(x_q) g_axm
         slopes = np.einsum("aqe,axme->xqme", values, energetic.gradient)
-        return _Points(batch, reconstruction, at, slopes, weights, np.tile(numbers[batch.cells], len(weights)))
+        of_points = np.tile(numbers[batch.cells], len(weights))
+        shear = 2.0 * np.array([material.elastic.shear_modulus for material in self.materials])[of_points]
+        points = _Points(batch, reconstruction, at, slopes, weights, of_points, shear, None)
+        elastic = np.stack([material.elastic.stiffness for material in self.materials])[of_points]
+        consistency = self._consistency(points, elastic).transpose(1, 3, 0, 2, 4)
+        added = batch.element.stabilise(reconstruction, consistency)
+        if added is None:
+            return points
+        return replace(points, stabilisation=added * self.problem.stabilisation_factors(batch))
 
     @property
     def points(self) -> Floats:
@@ -159,9 +193,19 @@ class NonlinearBody:
         """The undeformed body."""
         rest = np.zeros((self.problem.space.n_dofs, 2))
         history = [np.zeros((part.weights.size, self.n_history)) for part in self._points]
-        missed = [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points]
-        state = MaterialState(rest, history, [None] * len(history), missed)
-        return self._stabilised(state)
+        return self._state(rest, history, [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points])
+
+    def _state(self, displacements: Floats, history: list[Floats], amplitudes: list[Floats]) -> MaterialState:
+        """The state of displacements, history and amplitudes of what is missed."""
+        deviators, moduli = [], []
+        for part, of_part in zip(self._points, history, strict=True):
+            stress, tangent, _ = self._response(part, displacements, of_part)
+            deviators.append(np.einsum("aij,nij->na", DEVIATORS, stress))
+            # of a yielding material the largest one: that across the flow, which is the elastic one
+            shear = np.linalg.eigvalsh(np.einsum("aij,nijkl,bkl->nab", DEVIATORS, tangent, DEVIATORS))[:, -1]
+            mean = part.at_cells(2.0 * shear / part.shear).sum(axis=0) / part.weights.sum(axis=0)
+            moduli.append(np.maximum(mean, MIN_MODULUS) if self.n_history else np.ones_like(mean))
+        return MaterialState(displacements, history, deviators, amplitudes, moduli)
 
     def _response(self, part: _Points, displacements: Floats, history: Floats) -> tuple[Floats, Floats, Floats]:
         """Stress (n, 2, 2), tangent (n, 2, 2, 2, 2) and history after at the points of a batch."""
@@ -187,40 +231,49 @@ class NonlinearBody:
             result[:, i, :, j] = np.einsum("xqme,xqne->mne", part.slopes, right, optimize=True)
         return result
 
-    def _stabilised(self, state: MaterialState) -> MaterialState:
-        """Take the stabilisation of the tangent at a state."""
-        stabilisation = []
-        for part, history in zip(self._points, state.history, strict=True):
-            tangent = self._response(part, state.displacements, history)[1]
-            by_component = self._consistency(part, tangent).transpose(1, 3, 0, 2, 4)
-            added = part.batch.element.stabilise(part.reconstruction, by_component)
-            if added is not None:
-                mean = np.einsum("qe,qeijkl->ijkle", part.weights, tangent.reshape(*part.weights.shape, 2, 2, 2, 2))
-                added = added * bulk_limited(mean)
-            stabilisation.append(added)
-        return replace(state, stabilisation=stabilisation)
-
-    def _missed(self, number: int, state: MaterialState, displacements: Floats) -> Floats:
-        """Forces of the stabilisation on the cells of a batch, (n_local, 2, n_cells)."""
-        stiffness = state.stabilisation[number]
-        if stiffness is None:
-            return state.missed_forces[number]
-        moved = (displacements - state.displacements)[self._points[number].batch.dofs]
-        return state.missed_forces[number] + np.einsum("mne,nei->mie", stiffness, moved)
+    def _secant(self, number: int, state: MaterialState, displacements: Floats) -> tuple[Floats, Floats, Floats]:
+        """Factor t of the stabilisation of a batch (n_cells,), its derivative and the trial z, (n_local, 2, n_cells)."""
+        part, modulus = self._points[number], state.moduli[number]
+        local = (displacements - state.displacements)[part.batch.dofs]
+        gradient = np.einsum("xqme,mei->qeix", part.slopes, local, optimize=True).reshape(-1, 2, 2)
+        stress, tangent, _ = self._response(part, displacements, state.history[number])
+        deviator = np.einsum("aij,nij->na", DEVIATORS, stress)
+        shear = part.shear * np.tile(modulus, len(part.weights))
+        trial = state.deviators[number] + shear[:, None] * np.einsum("aij,nij->na", DEVIATORS, gradient)
+        volume = VOLUME_WEIGHT * np.trace(gradient, axis1=1, axis2=2)
+        regular = part.shear**2 * (MIN_STRAIN**2 + volume**2)
+        squares = (trial**2).sum(axis=1) + regular
+        secant = np.sqrt(((deviator**2).sum(axis=1) + regular) / squares)
+        # t dt |trial|^2 = s . ds - t^2 trial . d trial + (1 - t^2) d regular / 2
+        slope = np.einsum("na,aij,nijkl->nkl", deviator, DEVIATORS, tangent)
+        slope -= np.einsum("n,na,akl->nkl", secant**2 * shear, trial, DEVIATORS)
+        slope += (VOLUME_WEIGHT * (1.0 - secant**2) * part.shear**2 * volume)[:, None, None] * np.eye(2)
+        slope /= (secant * squares)[:, None, None]
+        if self.n_history:  # a yielding material relaxes; kinematic hardening may pass through zero
+            slope[secant >= 1.0] = 0.0
+            secant = np.minimum(secant, 1.0)
+        areas = part.weights.sum(axis=0)
+        by_dofs = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(slope), optimize=True) / areas
+        return part.at_cells(secant).sum(axis=0) / areas, by_dofs, state.amplitudes[number] + modulus * local.swapaxes(1, 2)
 
     def linearised(self, state: MaterialState, displacements: Floats) -> tuple[dict[int, Floats], Floats]:
         """Tangents of `Linearised`, and internal forces (n_dofs, 2), at given displacements after a state."""
         depth, tangents, forces = self.problem.thickness, {}, np.zeros_like(displacements)
         for number, (part, history) in enumerate(zip(self._points, state.history, strict=True)):
             stress, tangent, _ = self._response(part, displacements, history)
-            weighted = stress.reshape(*part.weights.shape, 2, 2) * part.weights[..., None, None]
-            block = np.einsum("xqme,qeix->mie", part.slopes, weighted, optimize=True)
-            block += self._missed(number, state, displacements)
+            block = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(stress), optimize=True)
             matrix = self._consistency(part, tangent)
-            added = state.stabilisation[number]
-            if added is not None:
-                matrix[:, 0, :, 0] += added
-                matrix[:, 1, :, 1] += added
+            if (added := part.stabilisation) is not None:
+                (factor, slope, amplitudes), modulus = self._secant(number, state, displacements), state.moduli[number]
+                by_amplitudes = np.einsum("mne,nie->mie", added, amplitudes)
+                energies = np.einsum("mie,mie->e", amplitudes, by_amplitudes)
+                block += factor * by_amplitudes + energies / (2.0 * modulus) * slope
+                # t r S + S z dt + dt S z + z . S z / (t r) dt dt
+                matrix[:, 0, :, 0] += factor * modulus * added
+                matrix[:, 1, :, 1] += factor * modulus * added
+                side = by_amplitudes + energies / (2.0 * factor * modulus) * slope
+                mixed = np.einsum("mie,nje->minje", side, slope)
+                matrix += mixed + mixed.transpose(2, 3, 0, 1, 4)
             np.add.at(forces, part.batch.dofs, depth * block.swapaxes(1, 2))
             n = 2 * len(block)
             tangents[int(part.batch.cells[0])] = depth * matrix.reshape(n, n, -1)
@@ -228,12 +281,14 @@ class NonlinearBody:
 
     def committed(self, state: MaterialState, displacements: Floats) -> MaterialState:
         """The state after a step to given displacements."""
-        pairs = list(enumerate(zip(self._points, state.history, strict=True)))
-        history = [self._response(part, displacements, before)[2] for _, (part, before) in pairs]
         if not self.n_history:
             return state
-        missed = [self._missed(number, state, displacements) for number, _ in pairs]
-        return self._stabilised(MaterialState(displacements, history, state.stabilisation, missed))
+        history, amplitudes = [], []
+        for number, (part, before) in enumerate(zip(self._points, state.history, strict=True)):
+            history.append(self._response(part, displacements, before)[2])
+            factor, _, trial = self._secant(number, state, displacements)
+            amplitudes.append(factor * trial)
+        return self._state(displacements, history, amplitudes)
 
     def stresses(self, before: MaterialState, displacements: Floats) -> tuple[Floats, Floats]:
         """Stress (n_points, 2, 2) and history (n_points, n_history) at `points`, after a step from a state."""
