@@ -18,6 +18,7 @@ r = 1, to which they return. Forces are the derivative of the energy W. Its seco
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,6 +41,8 @@ its principal stretches, however it turns."""
 MIN_STRAIN, VOLUME_WEIGHT = 1e-6, 0.01
 """Strain, and fraction of the change of volume, in both norms of the secant: without a deviator it is the elastic one.
 """
+MAX_TURNING = 1.8
+"""Stiffness that turns of the trial stress take from a material's own, which is 2."""
 MIN_MODULUS = 1e-6
 """Minimum shear modulus of a damaged material relative to the elastic one."""
 
@@ -125,6 +128,20 @@ class _Points:
         """Values at points (q * e, ...) times weights, (q, e, ...)."""
         whole = values.reshape(*self.weights.shape, *values.shape[1:])
         return whole * self.weights.reshape(*self.weights.shape, *[1] * (values.ndim - 1))
+
+
+class _Missed(NamedTuple):
+    """What a batch gets for what its projections miss.
+
+    - `forces`, `stiffness`: (n_local, 2, n_cells) and (n_local, 2, n_local, 2, n_cells).
+    - `turned`: what the tangent at the points loses, (n, 2, 2, 2, 2).
+    - `amplitudes`: those of `MaterialState` after the step.
+    """
+
+    forces: Floats
+    stiffness: Floats
+    turned: Floats
+    amplitudes: Floats
 
 
 class NonlinearBody:
@@ -231,12 +248,14 @@ class NonlinearBody:
             result[:, i, :, j] = np.einsum("xqme,xqne->mne", part.slopes, right, optimize=True)
         return result
 
-    def _secant(self, number: int, state: MaterialState, displacements: Floats) -> tuple[Floats, Floats, Floats]:
-        """Factor t of the stabilisation of a batch (n_cells,), its derivative and the trial z, (n_local, 2, n_cells)."""
-        part, modulus = self._points[number], state.moduli[number]
-        local = (displacements - state.displacements)[part.batch.dofs]
+    def _missed(
+        self, number: int, state: MaterialState, displacements: Floats, stress: Floats, tangent: Floats
+    ) -> _Missed:
+        """What a batch gets for what its projections miss, by the stress and the tangent at its points."""
+        part, modulus, local = self._points[number], state.moduli[number], displacements - state.displacements
+        assert part.stabilisation is not None
+        local = local[part.batch.dofs]
         gradient = np.einsum("xqme,mei->qeix", part.slopes, local, optimize=True).reshape(-1, 2, 2)
-        stress, tangent, _ = self._response(part, displacements, state.history[number])
         deviator = np.einsum("aij,nij->na", DEVIATORS, stress)
         shear = part.shear * np.tile(modulus, len(part.weights))
         trial = state.deviators[number] + shear[:, None] * np.einsum("aij,nij->na", DEVIATORS, gradient)
@@ -244,17 +263,32 @@ class NonlinearBody:
         regular = part.shear**2 * (MIN_STRAIN**2 + volume**2)
         squares = (trial**2).sum(axis=1) + regular
         secant = np.sqrt(((deviator**2).sum(axis=1) + regular) / squares)
+        along, across = (np.einsum("na,aij->nij", a, DEVIATORS) for a in (trial, trial[:, ::-1] * [-1.0, 1.0]))
         # t dt |trial|^2 = s . ds - t^2 trial . d trial + (1 - t^2) d regular / 2
-        slope = np.einsum("na,aij,nijkl->nkl", deviator, DEVIATORS, tangent)
-        slope -= np.einsum("n,na,akl->nkl", secant**2 * shear, trial, DEVIATORS)
+        slope = np.einsum("na,aij,nijkl->nkl", deviator, DEVIATORS, tangent) - (secant**2 * shear)[:, None, None] * along
         slope += (VOLUME_WEIGHT * (1.0 - secant**2) * part.shear**2 * volume)[:, None, None] * np.eye(2)
         slope /= (secant * squares)[:, None, None]
         if self.n_history:  # a yielding material relaxes; kinematic hardening may pass through zero
             slope[secant >= 1.0] = 0.0
             secant = np.minimum(secant, 1.0)
+        amplitudes = state.amplitudes[number] + modulus * local.swapaxes(1, 2)
+        forces = np.einsum("mne,nie->mie", part.stabilisation, amplitudes)
+        energies = np.einsum("mie,mie->e", amplitudes, forces) / (2.0 * modulus)
         areas = part.weights.sum(axis=0)
+        factor = part.at_cells(secant).sum(axis=0) / areas
         by_dofs = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(slope), optimize=True) / areas
-        return part.at_cells(secant).sum(axis=0) / areas, by_dofs, state.amplitudes[number] + modulus * local.swapaxes(1, 2)
+        # t r S + S z dt + dt S z
+        side = np.einsum("mie,nje->minje", forces, by_dofs)
+        stiffness = side + side.transpose(2, 3, 0, 1, 4)
+        stiffness[:, 0, :, 0] += factor * modulus * part.stabilisation
+        stiffness[:, 1, :, 1] += factor * modulus * part.stabilisation
+        # a strain across the trial stress turns it, which lowers t; limited by the material's own stiffness across
+        density = np.tile(energies / areas, len(part.weights))
+        turning = -2.0 * density * np.einsum("nij,nij->n", slope, along) / squares
+        turning = np.minimum(turning, MAX_TURNING * secant) * shear / squares
+        turned = np.einsum("n,nij,nkl->nijkl", turning, across, across)
+        turned -= np.einsum("n,nij,nkl->nijkl", 2.0 * density / secant, slope, slope)
+        return _Missed(factor * forces + energies * by_dofs, stiffness, turned, factor * amplitudes)
 
     def linearised(self, state: MaterialState, displacements: Floats) -> tuple[dict[int, Floats], Floats]:
         """Tangents of `Linearised`, and internal forces (n_dofs, 2), at given displacements after a state."""
@@ -262,20 +296,13 @@ class NonlinearBody:
         for number, (part, history) in enumerate(zip(self._points, state.history, strict=True)):
             stress, tangent, _ = self._response(part, displacements, history)
             block = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(stress), optimize=True)
-            matrix = self._consistency(part, tangent)
-            if (added := part.stabilisation) is not None:
-                (factor, slope, amplitudes), modulus = self._secant(number, state, displacements), state.moduli[number]
-                by_amplitudes = np.einsum("mne,nie->mie", added, amplitudes)
-                energies = np.einsum("mie,mie->e", amplitudes, by_amplitudes)
-                block += factor * by_amplitudes + energies / (2.0 * modulus) * slope
-                # t r S + S z dt + dt S z + z . S z / (t r) dt dt
-                matrix[:, 0, :, 0] += factor * modulus * added
-                matrix[:, 1, :, 1] += factor * modulus * added
-                side = by_amplitudes + energies / (2.0 * factor * modulus) * slope
-                mixed = np.einsum("mie,nje->minje", side, slope)
-                matrix += mixed + mixed.transpose(2, 3, 0, 1, 4)
+            stiffness: Floats | float = 0.0
+            if part.stabilisation is not None:
+                missed = self._missed(number, state, displacements, stress, tangent)
+                block, stiffness, tangent = block + missed.forces, missed.stiffness, tangent - missed.turned
             np.add.at(forces, part.batch.dofs, depth * block.swapaxes(1, 2))
             n = 2 * len(block)
+            matrix = self._consistency(part, tangent) + stiffness
             tangents[int(part.batch.cells[0])] = depth * matrix.reshape(n, n, -1)
         return tangents, forces
 
@@ -285,9 +312,14 @@ class NonlinearBody:
             return state
         history, amplitudes = [], []
         for number, (part, before) in enumerate(zip(self._points, state.history, strict=True)):
-            history.append(self._response(part, displacements, before)[2])
-            factor, _, trial = self._secant(number, state, displacements)
-            amplitudes.append(factor * trial)
+            stress, tangent, after = self._response(part, displacements, before)
+            history.append(after)
+            missed = part.stabilisation is not None
+            amplitudes.append(
+                self._missed(number, state, displacements, stress, tangent).amplitudes
+                if missed
+                else state.amplitudes[number]
+            )
         return self._state(displacements, history, amplitudes)
 
     def stresses(self, before: MaterialState, displacements: Floats) -> tuple[Floats, Floats]:
