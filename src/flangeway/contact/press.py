@@ -654,7 +654,7 @@ def press_nonlinear(
     for _ in range(max_iterations):
         now, loads = {}, {}
         for part, body in bodies.items():
-            tangents, forces = body.linearised(states[part], fields[part])
+            tangents, forces, _ = body.linearised(states[part], fields[part])
             settings = {
                 name: getattr(part.body, name) for name in ("name", "mesh", "element", "held", "thickness", "springs")
             }

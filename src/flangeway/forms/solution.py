@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from flangeway.checks import as_numbers, check_between, check_integer, check_positive
+from flangeway.checks import MIN_POSITIVE, as_numbers, check_between, check_integer, check_positive
 from flangeway.errors import InputError
 from flangeway.forms.weak import (
     JETS,
@@ -399,7 +399,8 @@ def newton(
     """Solve ``integral of form(u, v, w) = load . v`` for all v, the form nonlinear in u and linear in v.
 
     Steps are halved until the norm of the residual falls. What projections of virtual elements miss is stabilised with
-    the tangent at ``start``, which is kept, so that the equations do not change during the iteration.
+    the tangent at the current solution. The residual is that of this stabilisation, so the solution does not depend on
+    ``start``; steps leave out how it changes, which is little where the mesh resolves the solution.
 
     Parameters
     ----------
@@ -422,7 +423,8 @@ def newton(
         the derivative of the form at each point by complex steps, exact for forms of analytic functions. In the second
         iteration either is checked by differences of the residual.
     tolerance
-        Norm of the residual of the free unknowns, relative to that of the first one or of its terms, that ends it.
+        Norm of the residual of the free unknowns that ends it, relative to that of the first one or, if that is less,
+        of the forces that balance in it.
     max_iterations
         Number of linear solutions.
     degree
@@ -448,10 +450,11 @@ def newton(
         factor = Factor(matrix, fixed, problem.m)
         unbalanced = residual - given
         norms.append(float(np.linalg.norm(unbalanced.ravel()[factor.free])))
-        # round-off of the residual is relative to the forces that balance in it
-        scale = max(norms[0], float(np.linalg.norm(abs(matrix) @ np.abs(u).ravel())) * 1e-5)
-        if norms[-1] <= tolerance * scale:
-            return NewtonSolution(u, Status(True, f"the residual is {norms[-1]:.1e}", iteration), tuple(norms))
+        # the forces of a first guess may be far larger than those that balance; these may be zero
+        forces = float(np.linalg.norm(abs(matrix) @ np.abs(u).ravel()))
+        scale = max(1e-5 * forces, min(norms[0], forces), 1e-3 * norms[-2] if iteration else 0.0)
+        if converged := norms[-1] <= tolerance * scale:
+            break
         if iteration == max_iterations:
             break
         if iteration == 1:
@@ -465,8 +468,10 @@ def newton(
             if size <= (1.0 - SUFFICIENT_DECREASE * fraction) * norms[-1]:
                 break
         u = trial
-    reason = f"the residual is {norms[-1]:.1e} after {max_iterations} iterations"
-    return NewtonSolution(u, Status(False, reason, max_iterations), tuple(norms))
+    works = [abs(float(u.ravel() @ (part @ u.ravel()))) for part in (stabilisation, matrix - stabilisation)]
+    after = "" if converged else f" after {max_iterations} iterations"
+    status = Status(converged, f"the residual is {norms[-1]:.1e}{after}", iteration)
+    return NewtonSolution(u, status.with_stabilisation(works[0] / max(sum(works), MIN_POSITIVE)), tuple(norms))
 
 
 class _Problem:
@@ -502,12 +507,14 @@ class _Problem:
         stabilisation = stabilisation_matrix(self._region(u, None), tensor, self.m)
         matrix = stabilisation + assembled_form(self._region(u, None), tensor, self.m, self.m, stabilise=False)
         for on, form in self.forms[1:]:
-            matrix = matrix + assembled_form(self._region(u, on), self._tensor(form, 1, None), self.m, self.m, stabilise=False)
+            matrix = matrix + assembled_form(
+                self._region(u, on), self._tensor(form, 1, None), self.m, self.m, stabilise=False
+            )
         return self._integrals(u) + (stabilisation @ u.ravel()).reshape(u.shape), matrix, stabilisation
 
-    def _integrals(self, u: Floats) -> Floats:
+    def _integrals(self, u: Floats) -> Values:
         """Integrals of the form by all functions v without what projections miss, shape of u."""
-        total = np.zeros(u.shape)
+        total: Values = np.zeros(u.shape)
         for on, form in self.forms:
             region = self._region(u, on)
 

@@ -2,23 +2,21 @@
 
 Finite and virtual elements of any order take the gradient of the displacement from their reconstruction, so that the
 material sees polynomials of degree k - 1 (Artioli et al., 2017, Comput. Mech. 60, part II; Wriggers et al., 2017,
-Comput. Mech. 60). What they miss has the elastic stabilisation S times a factor t that follows the material, and which
-is a secant, so that it is continuous where the tangent jumps. With the deviators s of the stress and e of the gradient,
+Comput. Mech. 60). What they miss has the elastic stabilisation S times a factor t that follows the material. It is a
+secant, which is continuous where the tangent jumps: with the deviators s of the stress and e of the gradient,
 
-    t = |s| / |s_0 + 2 G r e|,   W = t z . S z / (2 r),   z = z_0 + r u,
+    t = |s| / |s_0 + 2 G r e|,   f = t S z,   z = z_0 + r u,
 
 where u and e are increments since the state at the start of the step, in which the stress s_0, the amplitude z_0 and
-the shear modulus r G against unloading are known. A step ends with the amplitude t z: stress of what is missed relaxes
-by plastic flow as the deviator does in a radial return, so that it is bounded where the deviator is, by steps of any
-size, and never without stiffness. Materials without history have no other state than the undeformed body, z_0 = 0 and
-r = 1, to which they return. Forces are the derivative of the energy W. Its second derivative is replaced by
-``t r (L + L z dt / (t r))^T (...)`` with ``S = L^T L``, which is positive and exact where t is a constant over a norm.
+the shear modulus r G against unloading are known. A step ends with the amplitude t z: forces of what is missed relax by
+plastic flow as the deviator does in a radial return. So they are bounded where the deviator is, by steps of any size,
+and never without stiffness. Materials without history have no other state than the undeformed body, z_0 = 0 and r = 1.
+Tangents leave out how t changes: the residual, which has the current t, then falls about ten times an iteration.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -41,8 +39,6 @@ its principal stretches, however it turns."""
 MIN_STRAIN, VOLUME_WEIGHT = 1e-6, 0.01
 """Strain, and fraction of the change of volume, in both norms of the secant: without a deviator it is the elastic one.
 """
-MAX_TURNING = 1.8
-"""Stiffness that turns of the trial stress take from a material's own, which is 2."""
 MIN_MODULUS = 1e-6
 """Minimum shear modulus of a damaged material relative to the elastic one."""
 
@@ -100,7 +96,7 @@ class MaterialState:
     amplitudes
         Elastic displacements that make the forces of what the cells of each batch miss, (n_local, 2, n_cells).
     moduli
-        Shear modulus against unloading over the elastic one, (n_cells,) of each batch.
+        Twice the shear modulus against unloading at the points of each batch, (n_points,).
 
     """
 
@@ -124,24 +120,10 @@ class _Points:
     shear: Floats  # twice the elastic shear modulus of each point, (q * e,)
     stabilisation: Floats | None  # of the elastic material, (m, m, e)
 
-    def at_cells(self, values: Floats) -> Floats:
-        """Values at points (q * e, ...) times weights, (q, e, ...)."""
-        whole = values.reshape(*self.weights.shape, *values.shape[1:])
-        return whole * self.weights.reshape(*self.weights.shape, *[1] * (values.ndim - 1))
-
-
-class _Missed(NamedTuple):
-    """What a batch gets for what its projections miss.
-
-    - `forces`, `stiffness`: (n_local, 2, n_cells) and (n_local, 2, n_local, 2, n_cells).
-    - `turned`: what the tangent at the points loses, (n, 2, 2, 2, 2).
-    - `amplitudes`: those of `MaterialState` after the step.
-    """
-
-    forces: Floats
-    stiffness: Floats
-    turned: Floats
-    amplitudes: Floats
+    def mean(self, values: Floats) -> Floats:
+        """Means over the cells of values at points (q * e,), shape (e,)."""
+        result: Floats = (self.weights * values.reshape(self.weights.shape)).sum(axis=0) / self.weights.sum(axis=0)
+        return result
 
 
 class NonlinearBody:
@@ -210,7 +192,9 @@ class NonlinearBody:
         """The undeformed body."""
         rest = np.zeros((self.problem.space.n_dofs, 2))
         history = [np.zeros((part.weights.size, self.n_history)) for part in self._points]
-        return self._state(rest, history, [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points])
+        return self._state(
+            rest, history, [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points]
+        )
 
     def _state(self, displacements: Floats, history: list[Floats], amplitudes: list[Floats]) -> MaterialState:
         """The state of displacements, history and amplitudes of what is missed."""
@@ -220,8 +204,7 @@ class NonlinearBody:
             deviators.append(np.einsum("aij,nij->na", DEVIATORS, stress))
             # of a yielding material the largest one: that across the flow, which is the elastic one
             shear = np.linalg.eigvalsh(np.einsum("aij,nijkl,bkl->nab", DEVIATORS, tangent, DEVIATORS))[:, -1]
-            mean = part.at_cells(2.0 * shear / part.shear).sum(axis=0) / part.weights.sum(axis=0)
-            moduli.append(np.maximum(mean, MIN_MODULUS) if self.n_history else np.ones_like(mean))
+            moduli.append(np.maximum(2.0 * shear, MIN_MODULUS * part.shear) if self.n_history else part.shear)
         return MaterialState(displacements, history, deviators, amplitudes, moduli)
 
     def _response(self, part: _Points, displacements: Floats, history: Floats) -> tuple[Floats, Floats, Floats]:
@@ -249,77 +232,61 @@ class NonlinearBody:
         return result
 
     def _missed(
-        self, number: int, state: MaterialState, displacements: Floats, stress: Floats, tangent: Floats
-    ) -> _Missed:
-        """What a batch gets for what its projections miss, by the stress and the tangent at its points."""
-        part, modulus, local = self._points[number], state.moduli[number], displacements - state.displacements
+        self, number: int, state: MaterialState, displacements: Floats, stress: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Forces, amplitudes after the step (n_local, 2, n_cells) and moduli (n_cells,) of what a batch misses."""
+        part, shear = self._points[number], state.moduli[number]
         assert part.stabilisation is not None
-        local = local[part.batch.dofs]
+        local = (displacements - state.displacements)[part.batch.dofs]
         gradient = np.einsum("xqme,mei->qeix", part.slopes, local, optimize=True).reshape(-1, 2, 2)
-        deviator = np.einsum("aij,nij->na", DEVIATORS, stress)
-        shear = part.shear * np.tile(modulus, len(part.weights))
-        trial = state.deviators[number] + shear[:, None] * np.einsum("aij,nij->na", DEVIATORS, gradient)
-        volume = VOLUME_WEIGHT * np.trace(gradient, axis1=1, axis2=2)
-        regular = part.shear**2 * (MIN_STRAIN**2 + volume**2)
-        squares = (trial**2).sum(axis=1) + regular
-        secant = np.sqrt(((deviator**2).sum(axis=1) + regular) / squares)
-        along, across = (np.einsum("na,aij->nij", a, DEVIATORS) for a in (trial, trial[:, ::-1] * [-1.0, 1.0]))
-        # t dt |trial|^2 = s . ds - t^2 trial . d trial + (1 - t^2) d regular / 2
-        slope = np.einsum("na,aij,nijkl->nkl", deviator, DEVIATORS, tangent) - (secant**2 * shear)[:, None, None] * along
-        slope += (VOLUME_WEIGHT * (1.0 - secant**2) * part.shear**2 * volume)[:, None, None] * np.eye(2)
-        slope /= (secant * squares)[:, None, None]
-        if self.n_history:  # a yielding material relaxes; kinematic hardening may pass through zero
-            slope[secant >= 1.0] = 0.0
+        deviator, strain = (np.einsum("aij,nij->na", DEVIATORS, tensor) for tensor in (stress, gradient))
+        trial = state.deviators[number] + shear[:, None] * strain
+        regular = part.shear * np.hypot(MIN_STRAIN, VOLUME_WEIGHT * np.trace(gradient, axis1=1, axis2=2))
+        secant = np.sqrt(((deviator**2).sum(axis=1) + regular**2) / ((trial**2).sum(axis=1) + regular**2))
+        if self.n_history:  # kinematic hardening may pass through zero
             secant = np.minimum(secant, 1.0)
-        amplitudes = state.amplitudes[number] + modulus * local.swapaxes(1, 2)
-        forces = np.einsum("mne,nie->mie", part.stabilisation, amplitudes)
-        energies = np.einsum("mie,mie->e", amplitudes, forces) / (2.0 * modulus)
-        areas = part.weights.sum(axis=0)
-        factor = part.at_cells(secant).sum(axis=0) / areas
-        by_dofs = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(slope), optimize=True) / areas
-        # t r S + S z dt + dt S z
-        side = np.einsum("mie,nje->minje", forces, by_dofs)
-        stiffness = side + side.transpose(2, 3, 0, 1, 4)
-        stiffness[:, 0, :, 0] += factor * modulus * part.stabilisation
-        stiffness[:, 1, :, 1] += factor * modulus * part.stabilisation
-        # a strain across the trial stress turns it, which lowers t; limited by the material's own stiffness across
-        density = np.tile(energies / areas, len(part.weights))
-        turning = -2.0 * density * np.einsum("nij,nij->n", slope, along) / squares
-        turning = np.minimum(turning, MAX_TURNING * secant) * shear / squares
-        turned = np.einsum("n,nij,nkl->nijkl", turning, across, across)
-        turned -= np.einsum("n,nij,nkl->nijkl", 2.0 * density / secant, slope, slope)
-        return _Missed(factor * forces + energies * by_dofs, stiffness, turned, factor * amplitudes)
+        factor, modulus = (part.mean(values) for values in (secant, shear / part.shear))
+        amplitudes = factor * (state.amplitudes[number] + modulus * local.swapaxes(1, 2))
+        return np.einsum("mne,nie->mie", part.stabilisation, amplitudes), amplitudes, factor * modulus
 
-    def linearised(self, state: MaterialState, displacements: Floats) -> tuple[dict[int, Floats], Floats]:
-        """Tangents of `Linearised`, and internal forces (n_dofs, 2), at given displacements after a state."""
+    def linearised(self, state: MaterialState, displacements: Floats) -> tuple[dict[int, Floats], Floats, Floats]:
+        """Linearise at displacements (n_dofs, 2) after a state.
+
+        Tangents of `Linearised`, internal forces (n_dofs, 2), and the works of the material's and of the
+        stabilisation's along the displacements, summed over the cells without signs.
+        """
         depth, tangents, forces = self.problem.thickness, {}, np.zeros_like(displacements)
+        works = np.zeros(2)
         for number, (part, history) in enumerate(zip(self._points, state.history, strict=True)):
             stress, tangent, _ = self._response(part, displacements, history)
-            block = np.einsum("xqme,qeix->mie", part.slopes, part.at_cells(stress), optimize=True)
-            stiffness: Floats | float = 0.0
+            weighted = stress.reshape(*part.weights.shape, 2, 2) * part.weights[..., None, None]
+            block = np.einsum("xqme,qeix->mie", part.slopes, weighted, optimize=True)
+            local = displacements[part.batch.dofs].swapaxes(1, 2)
+            works[0] += np.abs(np.einsum("mie,mie->e", block, local)).sum()
+            matrix = self._consistency(part, tangent)
             if part.stabilisation is not None:
-                missed = self._missed(number, state, displacements, stress, tangent)
-                block, stiffness, tangent = block + missed.forces, missed.stiffness, tangent - missed.turned
+                missed, _, modulus = self._missed(number, state, displacements, stress)
+                works[1] += np.abs(np.einsum("mie,mie->e", missed, local)).sum()
+                block += missed
+                matrix[:, 0, :, 0] += modulus * part.stabilisation
+                matrix[:, 1, :, 1] += modulus * part.stabilisation
             np.add.at(forces, part.batch.dofs, depth * block.swapaxes(1, 2))
             n = 2 * len(block)
-            matrix = self._consistency(part, tangent) + stiffness
             tangents[int(part.batch.cells[0])] = depth * matrix.reshape(n, n, -1)
-        return tangents, forces
+        return tangents, forces, works
 
     def committed(self, state: MaterialState, displacements: Floats) -> MaterialState:
         """The state after a step to given displacements."""
         if not self.n_history:
             return state
         history, amplitudes = [], []
-        for number, (part, before) in enumerate(zip(self._points, state.history, strict=True)):
-            stress, tangent, after = self._response(part, displacements, before)
+        for number, part in enumerate(self._points):
+            stress, _, after = self._response(part, displacements, state.history[number])
             history.append(after)
-            missed = part.stabilisation is not None
-            amplitudes.append(
-                self._missed(number, state, displacements, stress, tangent).amplitudes
-                if missed
-                else state.amplitudes[number]
-            )
+            if part.stabilisation is None:
+                amplitudes.append(state.amplitudes[number])
+            else:
+                amplitudes.append(self._missed(number, state, displacements, stress)[1])
         return self._state(displacements, history, amplitudes)
 
     def stresses(self, before: MaterialState, displacements: Floats) -> tuple[Floats, Floats]:

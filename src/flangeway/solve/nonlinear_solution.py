@@ -128,7 +128,7 @@ def _solved(
     residuals: list[float] = []
     change, size, reach = np.inf, MIN_POSITIVE, MIN_POSITIVE  # scales: those of the whole step, which may end at zero
     for _ in range(settings.max_iterations + 1):
-        tangents, forces = body.linearised(state, u)
+        tangents, forces, works = body.linearised(state, u)
         unbalanced = factor * loads - forces
         size = max(size, float(np.abs(forces).max()), float(np.abs(factor * loads).max()))
         reach = max(reach, float(np.abs(u).max()))
@@ -162,6 +162,8 @@ def _solved(
         u += step.displacements
     converged = min(residuals[-1], change) <= settings.tolerance  # False for what is not a number
     status = Status(converged, f"forces are balanced to {residuals[-1]:.1e}", len(residuals))
+    # not where the step ends at zero
+    status = status.with_stabilisation(float(works[1] / max(works.sum(), size * reach)))
     stress, history = body.stresses(state, u)
     after = body.committed(state, u) if converged else state
     return NonlinearSolution(

@@ -25,6 +25,10 @@ MIN_DIGITS, FEW_DIGITS = 2.0, 6.0
 """Decimal digits below which a solution is not accepted, and below which its message names them."""
 
 
+MAX_STABILISATION = 0.05
+"""Fraction of the work that is the stabilisation's above which the message names it."""
+
+
 @dataclass(frozen=True)
 class Checks:
     """What was measured on a solution, apart from the iteration that found it; see `contact.solution_checks`.
@@ -82,6 +86,9 @@ class Status:
         Decimal digits of the displacements that round-off leaves; None where they are not estimated.
     checks
         What was measured on a contact solution whose iteration converged; None where nothing was.
+    stabilisation
+        Fraction of the work of internal forces that is that of the elements' stabilisation, of nonlinear problems; None
+        where it was not measured.
 
     """
 
@@ -90,6 +97,16 @@ class Status:
     iterations: int
     digits: float | None = None
     checks: Checks | None = None
+    stabilisation: float | None = None
+
+    def with_stabilisation(self, fraction: float) -> "Status":
+        """Take the fraction over; the message names it above `MAX_STABILISATION`."""
+        message = self.message
+        if fraction > MAX_STABILISATION:
+            message += (
+                f"; the stabilisation does {100.0 * fraction:.0f} % of the work: take a finer mesh or a higher order"
+            )
+        return replace(self, message=message, stabilisation=fraction)
 
     def with_digits(self, digits: float | None) -> "Status":
         """Take the digits over, not converged below `MIN_DIGITS`; the message names fewer than `FEW_DIGITS`."""

@@ -1,0 +1,44 @@
+"""Nonlinear virtual elements: the converged solution does not depend on the first guess."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Virtual
+from flangeway.forms import error_norms, interpolate, newton
+from flangeway.geometry import square
+from flangeway.mesh import agglomerated, dual, rectangle_grid, triangulate, voronoi
+from flangeway.space import Space
+
+UNIT = square(1.0, (0.5, 0.5))
+MESHES = {
+    "voronoi": lambda: voronoi(UNIT, 20, iterations=3),
+    "duals": lambda: dual(triangulate(UNIT, size=0.3)),
+    "squares": lambda: rectangle_grid(1.0, 1.0, 4, 4, cells="quadrilaterals"),
+    "not convex": lambda: agglomerated(triangulate(UNIT, size=0.15), 15),
+}
+
+
+def exact(p):
+    return np.cbrt(1.2 + p[:, 0] ** 2 - p[:, 1] ** 2)
+
+
+def gradient(p):
+    return np.stack((2.0 * p[:, 0], -2.0 * p[:, 1]), axis=1) / 3.0 / exact(p)[:, None] ** 2
+
+
+@pytest.mark.parametrize(("name", "order"), [("voronoi", 1), ("duals", 2), ("squares", 1), ("not convex", 2)])
+def test_the_solution_of_a_degenerate_diffusion_is_that_of_every_guess(name, order):
+    """``div(u^2 grad u) = 0`` from 0.5, 1 and 30: the same to 1e-7, and near the exact root of a harmonic function."""
+    space = Space(MESHES[name](), Virtual(order))
+    fixed, prescribed = space.boundary_dofs(), interpolate(space, exact)
+    solutions = []
+    for guess in (0.5, 1.0, 30.0):
+        start = guess * interpolate(space, lambda p: np.ones(len(p)))
+        start[fixed] = prescribed[fixed]
+        solution = newton(space, lambda u, v, _: u.value**2 * (u.gradient * v.gradient).sum(axis=1), start, fixed=fixed)
+        if solution.status.converged:
+            solutions.append(solution.dofs)
+            assert 0.0 < solution.status.stabilisation < 0.3
+    assert len(solutions) == 3
+    assert np.ptp(solutions, axis=0).max() < 1e-7
+    assert error_norms(space, solutions[0], exact, gradient).l2 < (0.02 if order == 1 else 0.003)
