@@ -154,6 +154,8 @@ def run_section(
         second_moments=drawn.section.second_moments(weights),
     )
     notices = [*drawn.notices, *notices, *_corner_notices(drawn)]
+    if exact.all_axes_principal:
+        notices.append("Both principal moments are equal: every axis through the centroid is principal, no angle is.")
     return SectionRun(given, drawn, size, poisson, space, exact, notices, {"total": time.perf_counter() - start})
 
 

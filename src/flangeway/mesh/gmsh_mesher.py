@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.checks import check_positive, is_finite
+from flangeway.checks import check_kind, check_positive, is_finite
 from flangeway.errors import InputError, MissingLibraryError, short
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, extent, step_lengths
 from flangeway.geometry.outline import Outline
@@ -306,14 +306,14 @@ def _generate(gmsh: Any, kernel: Any, size: float, refinements: Sequence[Refinem
 
 
 def triangulate(
-    shape: Outline,
+    shape: Outline | Region,
     *,
     size: float,
     refinements: Sequence[Refinement] = (),
     holes: Sequence[Outline] = (),
     outline: Curves | None = None,
 ) -> PolyMesh:
-    """Return a mesh of triangles of the region inside an outline and outside of its holes.
+    """Return a mesh of triangles of a region: inside an outline and outside of holes.
 
     Lines and arcs go to Gmsh as they are, so boundary points lie on them; the edges between these points are straight
     unless `outline` says on which curves they lie. The local target size is
@@ -324,13 +324,13 @@ def triangulate(
     Parameters
     ----------
     shape
-        Outer boundary.
+        Outer boundary, or a region with its holes, such as those of `pipe_section`.
     size
         Length of a triangle's edge away from refinements.
     refinements
         Where triangles are smaller.
     holes
-        Outlines of holes, inside `shape` and apart from each other.
+        Outlines of further holes, inside `shape` and apart from each other.
     outline
         All curves of the boundary, as for `dual`: edges on its arcs and splines become curved, see
         `flangeway.mesh.curved`. It may be the shape itself, with the holes in a list, or the spline of which the
@@ -351,8 +351,11 @@ def triangulate(
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
     """
-    refuse_size(shape, size)
-    region = Region(shape, tuple(holes))  # refuses holes that are not inside or not apart
+    allowed, advice = "an Outline or a Region", "triangulate_section takes a Section, flangeway.geometry makes outlines"
+    check_kind("triangulate", "shape", shape, Outline | Region, allowed, advice)
+    outer, *inner = shape.loops if isinstance(shape, Region) else [shape]
+    refuse_size(outer, size)
+    region = Region(outer, (*inner, *holes))  # refuses holes that are not inside or not apart
     bound = mesh_bound([region], size, refinements)
     mesh = made(bound, _meshed, region, size, tuple(refinements))
     return mesh if outline is None else curved(mesh, outline)
@@ -398,7 +401,7 @@ def triangulate_section(
         return mesh.placed(away)
     if len(section.parts) == 1:
         ((name, region),) = section.parts.items()
-        mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes)
+        mesh = triangulate(region, size=size, refinements=refinements)
         return mesh.with_cell_set(name, np.arange(mesh.n_cells))
     bound = mesh_bound(section.regions, size, refinements)
     return made(bound, _meshed_section, dict(section.parts), size, tuple(refinements))

@@ -4,6 +4,7 @@ A point on an edge is a further corner of the cell there, with a straight angle,
 Virtual elements take such cells as they are.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_point, as_points, cross_product, norms, point_text
+from flangeway.geometry.arrays import (
+    IntArray,
+    as_point,
+    as_points,
+    cross_product,
+    extent,
+    norms,
+    point_text,
+    turned_right,
+)
 from flangeway.geometry.segments import Line
 from flangeway.mesh.connectivity import (
     EdgeCurves,
@@ -29,6 +39,9 @@ from flangeway.types import Floats, Indices, Ints
 MERGE = 1e-7
 """Distance of a point from a node relative to the shorter edge there, up to which it is the node."""
 COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
+CORNER = math.radians(45.0)  # turn between straight lines above which each keeps its own normal
+FACING = 0.5  # minus the product of the normals of points opposite each other, at least: within 60 degrees
+MAX_OVERLAP = 0.05  # depth, relative to the smaller boundary's extent, up to which boundaries that overlap are opposite
 MAX_PAIRS = 1_000_000  # of nodes and edges that are examined at a time
 
 Edges = str | Indices
@@ -169,11 +182,12 @@ def insert_nodes(mesh: PolyMesh, edges: Edges, points: ArrayLike) -> PolyMesh:
 def match_boundaries(one: PolyMesh, edges: Edges, other: PolyMesh, other_edges: Edges) -> tuple[PolyMesh, PolyMesh]:
     """Return two meshes whose boundaries have nodes opposite each other: each gets those of the other one.
 
-    Points are opposite each other along the normals of the second boundary, whose directions change linearly along its
-    edges, from one mean direction of the edges at a node to the next (B. Yang, T. A. Laursen and X. Meng, 2005, Int. J.
-    Numer. Meth. Engng. 62). So the order of the nodes is the same on both sides, whatever the gap is, as long as it is
-    below the radii of the second boundary. Where the other boundary is not opposite, an edge stays as it is. A point
-    within `MERGE` of a node, over the shorter edge there, is that node. For `NodeToNode` contact.
+    Points are opposite each other along the mean of the normals of both boundaries, whose directions change linearly
+    along the edges, from one mean direction of the edges at a node to the next (after B. Yang, T. A. Laursen and
+    X. Meng, 2005, Int. J. Numer. Meth. Engng. 62), and jump at corners. So the order of the nodes is the same on both
+    sides, whatever the gap is, as long as it is below the radii of the boundaries, and that of the arguments does not
+    matter. Where the other boundary is not opposite, an edge stays as it is. A point within `MERGE` of a node, over the
+    shorter edge there, is that node. For `NodeToNode` contact.
 
     Parameters
     ----------
@@ -251,77 +265,84 @@ def opposite_places(
 ) -> tuple[OppositePlaces, OppositePlaces]:
     """Places on the first boundary opposite the nodes of the second one, and the other way; see `match_boundaries`.
 
-    Each boundary is points (n_points, 2), and edges (m, 2) with the body on their left.
+    Each boundary is points (n_points, 2), and edges (m, 2) with the body on their left. Neither is before the other.
     """
     normals = [_normals(*boundary) for boundary in (one, other)]
-    return _opposite(one, normals[0], other, normals[1], own=False), _opposite(other, normals[1], one, normals[0])
+    reach = MAX_OVERLAP * min(extent(points[np.unique(pairs)]) for points, pairs in (one, other))
+    return _opposite(one, normals[0], other, normals[1], reach), _opposite(other, normals[1], one, normals[0], reach)
 
 
 def _normals(points: Floats, pairs: Indices) -> Floats:
-    """Outward directions at the points of a boundary, linear along its straight lines, zero elsewhere (n_points, 2).
+    """Outward directions at both ends of the edges of a boundary, linear along its straight lines (m, 2, 2).
 
-    At the end of a line the direction is the mean of the normals, that of the shorter line with the larger weight: on
-    chords of a circle it is the circle's.
+    Where two lines meet the direction is the mean of their normals, that of the shorter line with the larger weight: on
+    chords of a circle it is the circle's. Lines that meet at more than `CORNER` keep their own.
     """
     chain = ordered_pairs(np.asarray(pairs, dtype=np.int32), "boundary").astype(np.int64)
     chords = points[chain[:, 1]] - points[chain[:, 0]]
     before = np.roll(chords, 1, axis=0)
-    lengths = norms(chords)
-    bent = np.abs(cross_product(before, chords)) > COLLINEAR * lengths * np.roll(lengths, 1)
-    bent |= (np.roll(chain[:, 1], 1) != chain[:, 0]) | (np.einsum("mi,mi->m", before, chords) < 0.0)
+    turns = np.abs(np.arctan2(cross_product(before, chords), np.einsum("mi,mi->m", before, chords)))
+    turns[np.roll(chain[:, 1], 1) != chain[:, 0]] = np.pi
+    bent = turns > COLLINEAR
     line = (np.cumsum(bent) - 1) % max(int(bent.sum()), 1)
-    sums = np.stack([np.bincount(line, column) for column in chords.T], axis=1)
-    scaled = np.column_stack((sums[:, 1], -sums[:, 0])) / np.einsum("li,li->l", sums, sums)[:, None]
-    normals = np.zeros_like(points)
-    first, last = bent, np.roll(bent, -1)  # edges at the start and at the end of their lines
-    np.add.at(normals, chain[first, 0], scaled[line[first]])
-    np.add.at(normals, chain[last, 1], scaled[line[last]])
-    sizes = norms(normals)
-    normals /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
-    ends = np.zeros((2, len(sums)), dtype=np.int64)
-    ends[0, line[first]], ends[1, line[last]] = chain[first, 0], chain[last, 1]
-    inner, line_of_inner = chain[~bent, 0], line[~bent]
-    start = points[ends[0, line_of_inner]]
-    part = np.einsum("mi,mi->m", points[inner] - start, sums[line_of_inner]) / np.einsum(
-        "mi,mi->m", sums[line_of_inner], sums[line_of_inner]
-    )
-    normals[inner] = (1.0 - part)[:, None] * normals[ends[0, line_of_inner]] + part[:, None] * normals[
-        ends[1, line_of_inner]
-    ]
+    sums: Floats = np.stack([np.bincount(line, column) for column in chords.T], axis=1)
+    squares = np.einsum("li,li->l", sums, sums)
+    scaled = turned_right(sums) / squares[:, None]
+    smooth = np.zeros(len(sums), dtype=bool)
+    smooth[line[bent]] = turns[bent] <= CORNER  # of each line with the one before
+    joint = scaled + np.roll(scaled, 1, axis=0)
+    starts = np.where(smooth[:, None], joint, scaled)
+    ends = np.where(np.roll(smooth, -1)[:, None], np.roll(joint, -1, axis=0), scaled)
+    starts, ends = (directions / norms(directions)[:, None] for directions in (starts, ends))
+    first = np.zeros((len(sums), 2))
+    first[line[bent]] = points[chain[bent, 0]]
+    part = np.einsum("mei,mi->me", points[chain] - first[line][:, None], sums[line]) / squares[line][:, None]
+    normals = np.empty((len(chain), 2, 2))
+    # the edges came in another order
+    normals[np.lexsort(np.asarray(pairs).T)] = (
+        starts[line][:, None] + part[:, :, None] * (ends - starts)[line][:, None]
+    )[np.lexsort(chain.T)]
     return normals
 
 
 def _opposite(
-    onto: tuple[Floats, Indices], own_normals: Floats,
-    other: tuple[Floats, Indices], normals: Floats, *, own: bool = True,
+    onto: tuple[Floats, Indices], at_ends: Floats,
+    other: tuple[Floats, Indices], normals: Floats, reach: float,
 ) -> OppositePlaces:  # fmt: skip
-    """Places on one boundary opposite the nodes of another one, along the normals of the first or of the second."""
-    (points, pairs), nodes = onto, np.unique(other[1])
-    edges, at_ends = points[pairs], own_normals[pairs]
-    lengths = norms(edges[:, 1] - edges[:, 0])
+    """Places on one boundary opposite the nodes of another one, along the mean of the normals of both at both points.
+
+    - `reach`: depth of an overlap up to which boundaries face each other.
+    """
+    points, pairs = onto
+    # a node at a corner has the directions of both lines
+    candidates = np.unique(np.column_stack((np.ravel(other[1]), normals.reshape(-1, 2))), axis=0)
+    nodes, directions = candidates[:, 0].astype(np.int64), candidates[:, 1:]
+    edges = points[pairs]
+    chords, lengths = edges[:, 1] - edges[:, 0], norms(edges[:, 1] - edges[:, 0])
     pieces = []
-    for some in np.array_split(nodes, 1 + len(nodes) * len(edges) // MAX_PAIRS):
-        apart = other[0][some][:, None, None] - edges  # (n, m, 2, 2)
-        along = at_ends[None] if own else np.broadcast_to(-normals[some][:, None, None], apart.shape)
+    for some in np.array_split(np.arange(len(nodes)), 1 + len(nodes) * len(edges) // MAX_PAIRS):
+        apart = other[0][nodes[some]][:, None, None] - edges  # (n, m, 2, 2)
+        along = at_ends[None] - directions[some][:, None, None]
         ends = cross_product(apart, along)  # behind the normal at the start, before that at the end
-        which, at = np.nonzero((ends[..., 0] <= MERGE * lengths) & (ends[..., 1] >= -MERGE * lengths))
-        facing = np.einsum("ki,ki->k", normals[some[which]], at_ends[at].sum(axis=1)) < 0.0
-        which, at = which[facing], at[facing]
-        first, chord = ends[which, at, 0], edges[at, 1] - edges[at, 0]
-        square = -cross_product(chord, at_ends[at, 1] - at_ends[at, 0]) if own else np.zeros(len(at))
+        slack = 2.0 * MERGE * lengths
+        which, at = np.nonzero((ends[..., 0] <= slack) & (ends[..., 1] >= -slack))
+        first, chord = ends[which, at, 0], chords[at]
+        square = -cross_product(chord, at_ends[at, 1] - at_ends[at, 0])
         slope = ends[which, at, 1] - first - square
         root = slope + np.sqrt(np.maximum(slope**2 - 4.0 * square * first, 0.0))
-        rising = root > 0.0
-        which, at, chord = which[rising], at[rising], chord[rising]
-        parameters = np.clip(-2.0 * first[rising] / root[rising], 0.0, 1.0)
-        distances = norms(apart[which, at, 0] - parameters[:, None] * chord)
-        order = np.lexsort((distances, which))
-        order = order[np.diff(which[order], prepend=-1) != 0]
-        pieces.append((some[which[order]], at[order], parameters[order]))
-    which, at, parameters = (np.concatenate(column) for column in zip(*pieces, strict=True))
+        parameters = np.clip(-2.0 * first / np.where(root > 0.0, root, np.inf), 0.0, 1.0)
+        steps = apart[which, at, 0] - parameters[:, None] * chord
+        own, facing = at_ends[at, 0] + parameters[:, None] * (at_ends[at, 1] - at_ends[at, 0]), directions[some[which]]
+        gaps = np.einsum("ki,ki->k", steps, own - facing) / 2.0
+        rising = (root > 0.0) & (gaps >= -reach) & (np.einsum("ki,ki->k", own, facing) < -FACING)
+        pieces.append((nodes[some[which[rising]]], at[rising], parameters[rising], norms(steps[rising])))
+    which, at, parameters, distances = (np.concatenate(column) for column in zip(*pieces, strict=True))
+    order = np.lexsort((distances, which))
+    order = order[np.diff(which[order], prepend=-1) != 0]
+    which, at, parameters = which[order], at[order], parameters[order]
     nearest = pairs[at, (parameters > 0.5).astype(np.int64)].astype(np.int64)
     away = np.minimum(parameters, 1.0 - parameters) * lengths[at] / shortest_edges(points, pairs)[nearest]
-    return OppositePlaces(which.astype(np.int64), at, parameters, nearest, away)
+    return OppositePlaces(which, at, parameters, nearest, away)
 
 
 def _rows(mesh: PolyMesh, edges: Edges) -> Ints:

@@ -16,6 +16,10 @@ from flangeway.types import Floats
 Pair = tuple[float, float]
 
 
+EQUAL_MOMENTS = 1e-6
+"""Relative difference of the principal moments that may come from coordinates of six digits, as files have them."""
+
+
 @dataclass(frozen=True, eq=False)
 class SectionConstants:
     """Constants of a cross-section, for several materials weighted by shear modulus over its mean.
@@ -71,9 +75,20 @@ class SectionConstants:
         return middle + radius, middle - radius
 
     @property
+    def all_axes_principal(self) -> bool:
+        """Whether both principal moments are equal, as of circles, squares, and all regular polygons."""
+        maximum, smallest = self.principal_moments
+        return maximum - smallest <= EQUAL_MOMENTS * maximum
+
+    @property
     def principal_angle(self) -> float:
-        """Angle in radians from the x axis to the axis of the maximum second moment, in (-pi/2, pi/2]."""
+        """Angle in radians from the x axis to the axis of the maximum second moment, in (-pi/2, pi/2].
+
+        Zero where both principal moments are equal, to `EQUAL_MOMENTS`: all axes through the centroid are principal.
+        """
         ixx, iyy, ixy = self.second_moments
+        if self.all_axes_principal:
+            return 0.0
         return float(np.arctan2(-2.0 * ixy, ixx - iyy)) / 2.0
 
 

@@ -385,7 +385,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     diagonal = float(norms(np.ptp(region.outer.bounds(), axis=0)))
     fine = [_refinement(table, f"{key}.fine[{n}]", region) for n, table in enumerate(body.fine, 1)]
     size = body.size_mm or diagonal / DIAGONAL_PER_SIZE
-    mesh = triangulate(region.outer, size=size, holes=region.holes, refinements=fine)
+    mesh = triangulate(region, size=size, refinements=fine)
     mesh = dual(mesh) if body.method == "vem" else mesh
     if body.halved_side is not None:
         require_known(f"{key}.halved_side", body.halved_side, sorted(mesh.edge_sets))
