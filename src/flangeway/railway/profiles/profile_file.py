@@ -43,6 +43,7 @@ from flangeway.railway.profiles.smoothing import (
     Smoothing,
     noise_um,
     refuse_few,
+    rounding_um,
     smoothed,
 )
 from flangeway.results import sentence, with_unit
@@ -409,13 +410,14 @@ def _profile(
     """Return the profile; of slices all are placed as the first one."""
     unit = agreed_unit(raw, options.unit)
     more: list[str] = []
-    scale = UNITS_MM[unit]
+    scale, file_points = UNITS_MM[unit], raw.points
     sure = (raw.unit is not None and raw.unit_is_sure) or options.unit is not None
     if raw.contour is not None:
         refuse_length(raw.points * scale, sure)
     else:
         points, lines, more = checked_points(raw.points * scale, raw.lines, unit_is_sure=sure)
         raw = replace(raw, points=points / scale, lines=lines)
+    rounding = rounding_um(file_points, scale)
     taken, notices = orientation(first or raw, options)
     # crossings, and what was drawn, may be unlike on both sides
     if taken.kind == "rail" and options.mirror is None and not raw.mirrored and first is None and raw.contour is None:
@@ -439,7 +441,7 @@ def _profile(
     if taken.reversed_order:
         points = points[::-1]
     points = np.ascontiguousarray(points)
-    smoothing = smoothed(points, options.smooth_mm, options.limit_um, name="measured")
+    smoothing = smoothed(points, options.smooth_mm, options.limit_um, "measured", rounding)
     if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
         more.append(
             sentence(
@@ -458,7 +460,7 @@ def _profile(
     placing = None
     if first is not None and taken.kind == "rail":
         ordered = taken.applied(first.points)[:: -1 if taken.reversed_order else 1]
-        placing = smoothed(np.ascontiguousarray(ordered), options.smooth_mm, options.limit_um, name="measured").curve
+        placing = smoothed(np.ascontiguousarray(ordered), options.smooth_mm, options.limit_um, "measured").curve
     every = tuple(notices + more + seen)
     return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, every, placing)
 
