@@ -129,8 +129,8 @@ def test_a_worn_gauge_face_shows_the_side(tmp_path, worn_mm, angle_deg):
 
 
 @pytest.mark.parametrize("worn_mm", [5.0, 8.0])
-def test_heads_worn_flat_have_all_their_equilibria(tmp_path, worn_mm):
-    """Sharp corners of a flat top: where a flange rides on them the touch jumps by micrometres, which is no gap."""
+def test_heads_worn_flat_stand_in_the_middle_alone(tmp_path, worn_mm):
+    """Points of a flat top with sharp corners: one equilibrium, as on lines and arcs; waves at its corners had nine."""
     points = rail("60E1").running_surface.sampled(spacing=0.25, max_deviation=1e-3)
     points = points - [0.0, points[:, 1].max()]
     flat = np.stack((points[:, 0], np.minimum(points[:, 1], -worn_mm)), axis=1)
@@ -138,7 +138,7 @@ def test_heads_worn_flat_have_all_their_equilibria(tmp_path, worn_mm):
     found = rigid_equilibrium(RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 460.0)), WheelsetLoad(2e5))
     assert found.position.motion_in_space.lateral_mm == pytest.approx(0.0, abs=1e-6)
     assert found.position.stable
-    assert len(found.positions) > 1
+    assert len(found.positions) == 1
 
 
 def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix, diags
 from scipy.sparse.linalg import splu
 
-from flangeway.errors import InputError
 from flangeway.types import Floats, Ints
 
 Complex = NDArray[np.complex128]
@@ -32,7 +31,8 @@ _ROUND_OFF_PER_MM = 1e-5  # difference of two curvatures below which they are th
 _FIRST_JUMP_PER_MM, _JUMP_DECREASE, _LAST_JUMP_PER_MM = 0.06, 0.55, 1e-7
 """Jump below which all jumps count alike: in the first round, its factor from round to round, in the last one."""
 _JOINT_PER_MM = 5e-3  # jumps from here on are joints
-_ROUNDING_OF_CURVATURE = 4.5  # noise of the difference of two curvatures relative to that of points over spacing squared
+_ROUNDING_OF_CURVATURE = 4.5  # noise of the difference of two curvatures, in that of the points over spacing squared
+_MAX_TURN_RAD = 2.0  # of a cell, on the way to the solution
 _MIN_SIGMA_MM = 1e-10
 
 
@@ -93,7 +93,7 @@ class _Cells:
     def shape(self, curvatures: Floats, spacing: Floats) -> tuple[Floats, Complex, Floats, Floats]:
         """Shape of cells with curvatures (n,) in the frames of the chords of their intervals, of lengths (m,).
 
-        Returned: lengths (n,), starts (n,), and angles of the tangents there (n,); angles at the ends of intervals (m,).
+        Returned: lengths, starts and angles of the tangents there (n,); angles at the ends of the intervals (m,).
         """
         lengths = (spacing / np.bincount(self.interval))[self.interval]
         for _ in range(_LENGTH_ROUNDS):
@@ -115,13 +115,11 @@ class _Cells:
 def arc_chain(points: Floats, sigma_mm: float = 0.0) -> ArcChain:
     """Return the chain of arcs through points (n, 2) in mm, or near them.
 
-    An `InputError` if the curve turns so sharply that there is none.
-
     - `points`: in order along the curve, ten or more, neighbours differing.
     - `sigma_mm`: standard deviation of the noise of the points, as of rounding; 0 for a curve through all of them.
     """
-    sigma, drawn = max(sigma_mm, _MIN_SIGMA_MM), points @ [1.0, 1.0j]
-    steps = np.diff(drawn)
+    sigma, drawn = max(sigma_mm, _MIN_SIGMA_MM), points @ np.array([1.0, 1.0j])
+    steps: Complex = np.diff(drawn)
     cells = _Cells.of(np.abs(steps))
     interval, n_points, n_cells = cells.interval, len(points), len(cells.interval)
     normals = np.gradient(drawn) * 1.0j
@@ -151,8 +149,7 @@ def arc_chain(points: Floats, sigma_mm: float = 0.0) -> ArcChain:
         load = np.append(np.zeros(n_cells + n_points), equations @ curvatures - displaced @ offsets - kinks)
         solution = splu(bmat(blocks, format="csc")).solve(load)
         curvatures, offsets = solution[:n_cells], sigma * solution[n_cells : n_cells + n_points]
-        if not np.abs(curvatures * lengths).max() < np.pi:
-            raise InputError("points between which the curve turns by half a turn", "a smooth curve", "smooth more")
+        curvatures = np.clip(curvatures, -_MAX_TURN_RAD / lengths, _MAX_TURN_RAD / lengths)
         stiffness *= float(np.clip(np.sqrt(np.mean(offsets**2)) / sigma, 0.5, 2.0))
         weights = costs * ((jumps @ curvatures) ** 2 + threshold**2) ** -_POWER
         threshold = max(_JUMP_DECREASE * threshold, _LAST_JUMP_PER_MM)

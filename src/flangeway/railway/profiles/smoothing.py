@@ -14,8 +14,8 @@ from flangeway.railway.profiles.arc_interpolation import arc_chain
 from flangeway.results import sentence
 from flangeway.types import Bools, Floats, floats
 
-# --- Points to a smooth curve of arcs. Exact and rounded points, as of drawings, get lines and arcs through or near them
-# (`arc_interpolation`), measured ones a smoothing spline on arc length, whose deviation is reported and limited.
+# --- Points to a smooth curve of arcs. Exact and rounded points, as of drawings, get lines and arcs through or near
+# them (`arc_interpolation`), measured ones a smoothing spline on arc length, whose deviation is reported and limited.
 #
 # Both coordinates are cubic smoothing splines of the length along the chords (C. H. Reinsch, "Smoothing by spline
 # functions", Numerische Mathematik 10, 1967). On points a distance h apart such a spline passes waves of angular wave
