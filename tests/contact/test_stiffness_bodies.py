@@ -9,9 +9,9 @@ import scipy.sparse as sp
 from flangeway.contact import Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface, press
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import Placement
+from flangeway.geometry import Placement, circle, rectangle
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.problems import Body, Part, StiffnessBody
 
 STEEL = Elastic(210e3, 0.3)
@@ -264,3 +264,48 @@ def test_springs_and_held_rows_in_a_stiffness_are_no_mistake() -> None:
     mask[held] = 0.0
     replaced = sp.diags_array(mask) @ matrix @ sp.diags_array(mask) + sp.diags_array(1.0 - mask)
     Body.from_stiffness("block", replaced, points, {"boundary": line}, held=held)
+
+
+def _bodies() -> dict[str, Body]:
+    """Bodies of linear, quadratic and virtual elements, straight, round and thin, held along the bottom."""
+    disc = triangulate(circle(5.0), size=1.5)
+    meshes = {
+        "linear": (rectangle_grid(3.0, 1.0, 9, 3), Lagrange(1)),
+        "quadratic": (rectangle_grid(3.0, 1.0, 8, 3), Lagrange(2)),
+        "polygons": (dual(triangulate(rectangle(3.0, 2.0), size=0.4)), Virtual(1)),
+        "round": (disc, Lagrange(1)),
+        "round and quadratic": (disc, Lagrange(2)),
+        "flat cells": (rectangle_grid(3.0, 0.1, 8, 10), Lagrange(2)),
+    }
+    return {name: Body(name, mesh, element, STEEL) for name, (mesh, element) in meshes.items()}
+
+
+@pytest.mark.parametrize("name", _bodies())
+def test_edges_that_no_element_has_are_refused(name: str) -> None:
+    """Every second node, corners of quadratic elements alone and one node too few are refused; all nodes are not."""
+    body = _bodies()[name]
+    line, order = around(body.mesh, body), body.space.order
+    held = (2 * np.argsort(body.nodes[:, 1])[:3, None] + np.arange(2)).ravel()
+    for condensed in (True, False):
+        elasticity = body.elasticity
+        matrix = (elasticity.condensed_stiffness().matrix if condensed else elasticity.stiffness()).full()
+        given = {"rows": np.arange(2 * len(body.nodes)).reshape(-1, 2), "held": held}
+        Body.from_stiffness(name, matrix, body.nodes, {"s": line}, order=order, **given)
+        skipping = line[::2] if line[-1] == line[::2][-1] else [*line[::2], line[0]]
+        shorter = line[:2] + line[3:]
+        for wrong in (skipping, shorter):
+            with pytest.raises(InputError, match="no edge of an element"):
+                Body.from_stiffness(name, matrix, body.nodes, {"s": wrong}, order=1, **given)
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("side", ["bottom", "right", "top"])
+def test_nodes_in_place_of_held_rows_are_refused(side: str, first: int) -> None:
+    """Numbers of a side's nodes, counted from 0 or 1, hold other nodes as rows of K: the message says which."""
+    matrix, points, line = _rigid_case()
+    level = {"bottom": (1, 0.0), "right": (0, 2.0), "top": (1, 1.0)}[side]
+    nodes = np.flatnonzero(points[:, level[0]] == level[1])
+    with pytest.raises(InputError, match="rows of K"):
+        Body.from_stiffness("block", matrix, points, {"boundary": line}, held=nodes + first)
+    rows = (2 * nodes[:, None] + np.arange(2)).ravel()
+    Body.from_stiffness("block", matrix, points, {"boundary": line}, held=rows)

@@ -289,6 +289,13 @@ MAX_ASYMMETRY = 1e-9
 MAX_EDGE_DISTANCE = 3.0
 """Distance of a node from an edge, relative to its length, within which it shows the side of the body."""
 
+MAX_BULGE, MAX_DENT = 0.25, 0.02
+"""Heights of a node outside and inside of an edge, relative to its length, that make it a node of the boundary: no
+element has a node outside of its edge, and very thin ones have one that far inside."""
+
+MIN_BOUNDARY_ANGLE = np.radians(150.0)
+"""Angle without neighbours at a node of a boundary: 180 degrees where it is straight, less at the corners of a hole."""
+
 
 def _directed(edges: Any, pairs: Indices, rows: Ints) -> Any:
     """Rows of edges (m, n_nodes) from the first to the second of pairs (n, 2) of their ends, (n, n_nodes)."""
@@ -332,8 +339,10 @@ class StiffnessBody(LinearBody):
     ------
     InputError
         If the matrix is not symmetric, has another size, a diagonal that is not positive or numbers that are not
-        finite; if a surface has unknown nodes, crosses or touches itself, or has the body on its right; if K times a
-        translation or rotation is not zero on most nodes: rows in another order than the coordinates. A wrong unit of
+        finite; if a surface has unknown nodes, crosses or touches itself, has the body on its right, or leaves nodes
+        between out, so that K does not couple those of an edge; if held rows are inside of the body and would be along
+        its boundary as numbers of nodes; if K times a translation or rotation is not zero on most nodes: rows in
+        another order than the coordinates. A wrong unit of
         length or of force cannot be seen in K, nor can a wrong permutation of a body of revolution. Motions without
         strain are found where the matrix is factorised.
 
@@ -366,6 +375,7 @@ class StiffnessBody(LinearBody):
                 "name the nodes along its boundary",
             )
         self._check_rigid_motions()
+        self._check_held()
         for surface in self.surfaces:
             self._check_surface(surface)
 
@@ -649,12 +659,101 @@ class StiffnessBody(LinearBody):
                 "a line along the boundary that passes each place once",
                 "put its nodes in their order along the boundary",
             )
+        self._check_coupled(name)
         if self._side(edges) < 0.0:
             raise InputError(
                 f"{self._owner}: surface {name!r} has the body on its right",
                 "nodes in the order in which the body is on the left, counter-clockwise around the outside",
                 f"turn it: surfaces={{{name!r}: nodes[::-1]}}",
             )
+        self._check_between(name)
+
+    @cached_property
+    def _coupled(self) -> sp.csr_array:
+        """Nodes that K couples, true on the diagonal, (n_nodes, n_nodes)."""
+        matrix, dofs = sp.coo_array(self._matrix), self._places[: len(self.nodes)]
+        node = np.full(matrix.shape[0], -1)
+        node[dofs[dofs >= 0]] = np.nonzero(dofs >= 0)[0]
+        first, second = node[matrix.row], node[matrix.col]
+        there = (first >= 0) & (second >= 0) & (matrix.data != 0.0)
+        pairs = first[there], second[there]
+        return sp.csr_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=2 * (len(self.nodes),))
+
+    def _check_coupled(self, name: str) -> None:
+        """Refuse edges that no element has, whose ends K does not couple."""
+        ends = self._chains[name][:, [0, -1]]
+        movable: Any = self.free[: 2 * len(self.nodes)].reshape(-1, 2).any(axis=1)
+        uncoupled: Any = movable[ends].all(axis=1) & ~self._couples(ends[:, 0], ends[:, 1])
+        if uncoupled.any():
+            raise self._skipped(name, ends[int(uncoupled.argmax())], "K does not couple them")
+
+    def _check_between(self, name: str) -> None:
+        """Refuse edges with a node between: on them, or outside; K may be condensed and couple all nodes."""
+        edges = self._chains[name]
+        starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
+        lengths = np.linalg.norm(chords, axis=1)
+        around = cKDTree(self.nodes).query_ball_point(starts + chords / 2.0, lengths / 2.0)
+        edge, node = np.repeat(np.arange(len(edges)), [len(nodes) for nodes in around]), np.concatenate(around)
+        node = node.astype(np.int64)
+        height: Any = cross_product(chords[edge], self.nodes[node] - starts[edge]) / lengths[edge] ** 2
+        dent = MAX_DENT if self.order == 1 else 0.0  # a middle node shows where the edge is
+        between: Any = (height >= -MAX_BULGE) & (height <= dent) & ~np.isin(node, edges)
+        between &= self._couples(edges[edge, 0], node) & self._couples(edges[edge, -1], node)
+        if between.any():
+            at = int(between.argmax())
+            raise self._skipped(name, edges[edge[at], [0, -1]], f"node {node[at]} is between them")
+
+    def _couples(self, first: Indices, second: Indices) -> Bools:
+        """Whether K couples pairs of nodes."""
+        return np.asarray(self._coupled[first, second]).ravel() != 0
+
+    def _skipped(self, name: str, pair: Indices, reason: str) -> InputError:
+        a, b = pair
+        return InputError(
+            f"{self._owner}: surface {name!r} goes from node {a} at {point_text(self.nodes[a])} to node {b} at "
+            f"{point_text(self.nodes[b])}, which are no edge of an element: {reason}",
+            "all nodes along the boundary in their order, middle nodes of quadratic elements too, with order=2",
+            "add the nodes between",
+        )
+
+    def _check_held(self) -> None:
+        """Refuse held rows that are inside of the body and would be a part of its boundary as numbers of nodes."""
+        held, n = np.unique(np.asarray(self.held, dtype=np.int64)), len(self.nodes)
+        inner = ~self._on_boundary
+        of_rows = np.isin(self._places[:n], held).any(axis=1)
+        for first in (0, 1):
+            nodes = held - first
+            if not held.size or nodes.min() < 0 or nodes.max() >= n or np.array_equal(nodes, np.flatnonzero(of_rows)):
+                continue
+            chosen = self.nodes[nodes]
+            sides: Any = [self.nodes[:, i] == chosen[0, i] for i in range(2) if np.ptp(chosen[:, i]) == 0.0]
+            whole_side = any(side.sum() == len(nodes) and not of_rows[side].all() for side in sides)
+            if not inner[nodes].any() and (inner[of_rows].any() or (len(nodes) > 1 and whole_side)):
+                raise InputError(
+                    f"{self._owner}: held={short(self.held)} holds node {np.flatnonzero(of_rows)[0]} and others; as "
+                    "numbers of nodes they would be along the boundary",
+                    "rows of K: two for each node",
+                    "of nodes that are held in x and y take held=np.concatenate((2 * nodes, 2 * nodes + 1)), or "
+                    "rows[nodes].ravel()",
+                )
+
+    @cached_property
+    def _on_boundary(self) -> Bools:
+        """Nodes around which the nodes that K couples with them leave an angle of `MIN_BOUNDARY_ANGLE`."""
+        coupled = sp.coo_array(self._coupled)
+        other = coupled.row != coupled.col
+        node, across = coupled.row[other], self.nodes[coupled.col[other]] - self.nodes[coupled.row[other]]
+        angle = np.arctan2(across[:, 1], across[:, 0])
+        order = np.lexsort((angle, node))
+        node, angle = node[order], angle[order]
+        last: Any = np.append(node[1:] != node[:-1], True)[: len(node)]
+        first = np.flatnonzero(np.append(True, last[:-1]))[: last.sum()]
+        following = np.append(angle[1:], 0.0)[: len(angle)]
+        following[last] = angle[first] + 2.0 * np.pi
+        gaps = np.full(len(self.nodes), 0.0)
+        np.maximum.at(gaps, node, following - angle)
+        counts = np.bincount(node, minlength=len(self.nodes))
+        return (gaps >= MIN_BOUNDARY_ANGLE) | (counts < 2)
 
     def _side(self, edges: Indices) -> float:
         """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
