@@ -45,8 +45,10 @@ def test_a_position_has_the_numbers_of_a_run(engine):
     assert found["max_pressure_MPa"] == max(patch.ellipse.max_pressure for patch in run.result.patches)
     assert found["lateral_mm"] == run.result.equilibrium.position.lateral_mm
     for side, patch in found["patches"].items():
-        widths = np.abs(np.diff(patch["across"], axis=1))
-        force = float(np.sum(np.array(patch["pressures"]) * widths) * patch["strip"])
+        # the shoelace formula of each polygon
+        x, y = np.moveaxis(np.array(patch["polygons"]), 2, 0)
+        areas = abs(np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)) / 2.0
+        force = float(np.array(patch["pressures"]) @ areas)
         normal = run.result.equilibrium.state.sides[side].forces.sum()
         assert force == pytest.approx(normal, rel=1e-3)  # numbers of pictures are rounded
 

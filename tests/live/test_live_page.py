@@ -1,10 +1,15 @@
 """The live page in a browser: files are dropped, the wheelset is dragged, and numbers are those of a run."""
 
+import base64
+import io
 import shutil
 import statistics
 import tomllib
 
+import numpy as np
 import pytest
+import scipy.ndimage
+from matplotlib.image import imread
 
 from flangeway.cases import load_case
 from flangeway.report.wheelset.wheelset_page import results_table
@@ -135,6 +140,58 @@ def test_the_stress_below_the_patches_is_shown(page):
     rows = page.locator("#tables tr").evaluate_all("rows => rows.map(row => [...row.children].map(c => c.textContent))")
     stated = next(float(row[1]) for row in rows if row[0].strip() == "maximum von Mises stress, MPa")
     assert most == pytest.approx(stated, rel=0.02)
+
+
+def drawn_pixels(page):
+    """Colours (height, width, 4) of the picture of patches without its words."""
+    page.evaluate("CanvasRenderingContext2D.prototype.fillText = () => {}; drawPatches()")
+    data = page.evaluate("$('patches').toDataURL().split(',')[1]")
+    return imread(io.BytesIO(base64.b64decode(data)))
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_patches_on_the_screen_are_the_cells_of_a_run(page, width):
+    """Each pixel that is drawn lies on a cell under pressure of a run, and each such cell is drawn, to a pixel.
+
+    The right rail has two patches and graded rows of 0.09, 0.35 and 1.06 mm. Both sides have one scale, and the
+    darkest cell is that of the maximum pressure.
+    """
+    page.set_viewport_size({"width": width, "height": 900})
+    page.evaluate("shift(6.74)")
+    page.wait_for_function(f"state.elastic?.lateral_mm === 6.74 && {STANDS}", timeout=120_000)
+    picture = drawn_pixels(page)
+    height, wide = picture.shape[:2]
+    run = load_case("wheelset", size_scale=3.0, lateral_mm=6.74).run()
+    states = run.result.equilibrium.state.sides
+    assert np.ptp(states["right"].cells.grid.widths) > 0.9
+    scales = []
+    for side, sign, part in (("left", -1.0, picture[:, : wide // 2]), ("right", 1.0, picture[:, wide // 2 :])):
+        cells, loaded = states[side].cells, states[side].forces > 0.0
+        # lengths along the surface run to the gauge side
+        across, ahead = -sign * cells.grid.bounds, cells.grid.strip_bounds
+        rows, strips = np.nonzero(loaded)
+        left, right = np.sort(np.stack((across[rows], across[rows + 1])), axis=0)
+        low, high = ahead[strips], ahead[strips + 1]
+        inked = part[..., 3] > 0.9  # without the outer half of the outline
+        columns, lines = (np.flatnonzero(inked.any(axis=axis)) for axis in (0, 1))
+        drawn = np.array([np.ptp(columns) + 1.0, np.ptp(lines) + 1.0])
+        size = np.array([right.max() - left.min(), high.max() - low.min()])
+        scale = float(drawn @ size / (size @ size))
+        scales.append(scale)
+        assert drawn == pytest.approx(scale * size, abs=1.0)
+        x = left.min() + (np.arange(part.shape[1]) + 0.5 - columns[0]) / scale
+        y = high.max() - (np.arange(height) + 0.5 - lines[0]) / scale
+        expected = np.zeros_like(inked)
+        for ends in zip(left, right, low, high, strict=True):
+            expected |= ((y >= ends[2]) & (y <= ends[3]))[:, None] & (x >= ends[0]) & (x <= ends[1])
+        square = np.ones((3, 3), dtype=bool)
+        assert not (inked & ~scipy.ndimage.binary_dilation(expected, square)).any()
+        assert not (scipy.ndimage.binary_erosion(expected, square) & ~inked).any()
+        if side == "right":
+            darkest = np.where(inked & scipy.ndimage.binary_erosion(expected, square), part[..., 0], 2.0).min(axis=0)
+            highest = cells.pressures[loaded].argmax()
+            assert left[highest] - 1.0 / scale <= x[darkest.argmin()] <= right[highest] + 1.0 / scale
+    assert scales[0] == pytest.approx(scales[1], rel=0.02)
 
 
 def test_moved_while_curves_fill_in_is_computed_afterwards(page):

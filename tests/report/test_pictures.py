@@ -6,11 +6,13 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from matplotlib.collections import QuadMesh
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
 from flangeway.cases.wheelset.wheelset_quantities import WheelResult
+from flangeway.contact.patch.patch_contact import CellForces
+from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages
 from flangeway.elements import Virtual
@@ -25,7 +27,7 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report import profile_outputs
 from flangeway.report.figures.drawing import COLOURS, SIGNED
 from flangeway.report.figures.plots import drawn_parts, plot_stress
-from flangeway.report.patch_maps import ShownRolling, rolling_figure, shakedown_figure
+from flangeway.report.patch_maps import PatchMap, ShownRolling, maps_figure, rolling_figure, shakedown_figure
 from flangeway.report.wheelset.wheelset_patches import ORDINATE_MM, contact_figure, nodes_figure, section_figure
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
@@ -155,21 +157,56 @@ def shown(found, sign=1.0):
 def test_maps_show_states_slip_and_power_where_they_are(found, sign):
     """A row of three maps: states, slip velocities in m/s and power in W/mm^2, mirrored with the side."""
     figure = rolling_figure([shown(found, sign)])
-    maps = [next(each for each in axes.collections if isinstance(each, QuadMesh)) for axes in figure.axes[:3]]
-    states, slip, power = (np.ma.filled(each.get_array(), 0.0).T for each in maps)
-    assert (states == found.states).all()
+    maps = [next(each for each in axes.collections if isinstance(each, PolyCollection)) for axes in figure.axes[:3]]
+    states, slip, power = (each.get_array() for each in maps)
+    touching = found.states != NO_CONTACT
+    assert (states == found.states[touching]).all()
     assert slip.max() == pytest.approx(10.0 * np.linalg.norm(found.slip_velocities, axis=2).max())
-    areas = found.contact.areas
-    total = np.where(found.states == NO_CONTACT, 0.0, np.nan_to_num(power))
-    assert (total * areas).sum() == pytest.approx(10.0 * found.frictional_power, rel=1e-9)
+    corners = np.array([path.vertices[:4] for path in maps[2].get_paths()])
+    areas = np.ptp(corners[..., 0], axis=1) * np.ptp(corners[..., 1], axis=1)
+    assert (power * areas).sum() == pytest.approx(10.0 * found.frictional_power, rel=1e-9)
     # lengths along the surface run to the left for the sign of the left side
-    assert np.sign(np.diff(maps[0].get_coordinates()[0, :, 0])).mean() == -sign
+    rows = np.nonzero(touching)[0]
+    assert np.sign(corners[rows.argmax()].mean(axis=0)[0] - corners[rows.argmin()].mean(axis=0)[0]) == -sign
     slipping = 100.0 * (found.states == SLIPS).sum() / (found.states != NO_CONTACT).sum()
     assert f"{slipping:.0f} % slips" in figure.axes[0].get_title()
     arrows = next(each for each in figure.axes[0].collections if isinstance(each, Quiver))
     assert np.sign(arrows.U.sum()) == -sign * np.sign(found.across)
     assert np.sign(arrows.V.sum()) == np.sign(found.along)
     assert len(arrows.U) > 50
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_pressures_are_drawn_on_their_cells(seed, sign):
+    """Each pixel of the map has the colour of the random uneven cell below it; the outline is that of the cells.
+
+    The outline has the length of all sides between cells with and without pressure.
+    """
+    random = np.random.default_rng(seed)
+    bounds, strip = np.cumsum(random.uniform(0.1, 1.3, 13)), 0.5
+    pressures = np.where(random.random((12, 9)) < 0.7, random.uniform(100.0, 900.0, (12, 9)), 0.0)
+    pressures[[0, -1]] = pressures[:, [0, -1]] = 0.0
+    grid = PatchGrid(bounds, strip, 9)
+    cells = CellForces(pressures * grid.areas, grid, np.zeros((12, 2)), np.zeros((12, 2)), 0.0 * pressures, 1e5)
+    figure, (axes,) = maps_figure([PatchMap(cells, [], bounds[3], sign)], "x", "z")
+    line = next(each for each in axes.collections if isinstance(each, LineCollection))
+    length = sum(np.linalg.norm(np.diff(ends, axis=0)) for ends in line.get_segments())
+    jumps = [np.abs(np.diff(pressures > 0.0, axis=axis).astype(int)) for axis in (0, 1)]
+    assert length == pytest.approx(strip * jumps[0].sum() + (jumps[1].sum(axis=1) * np.diff(bounds)).sum())
+    line.remove()
+    figure.set_dpi(100)
+    figure.canvas.draw()
+    image = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
+    middles = sign * (bounds[3] - grid.stations)
+    x, y = np.meshgrid(middles, grid.along, indexing="ij")
+    at = axes.transData.transform(np.column_stack((x.ravel(), y.ravel()))).astype(int)
+    expected = COLOURS(pressures / pressures.max(), bytes=True)[..., :3].astype(int)
+    expected[pressures == 0.0] = 255
+    inside = np.array([axes.bbox.padded(-2.0).contains(*point) for point in at])
+    drawn = image[at[inside, 1], at[inside, 0]].astype(int)
+    assert inside.sum() > 0.5 * inside.size
+    assert np.abs(drawn - expected.reshape(-1, 3)[inside]).max() <= 1
 
 
 def test_patches_lie_in_the_shakedown_diagram():

@@ -242,29 +242,32 @@ def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
 
 
 def _patches(run: WheelsetRun) -> dict[str, Any]:
-    """Pressures on the cells of both sides and stresses below from above, with places to the right and ahead, in mm."""
-    arrays: dict[str, Any] = {}
+    """Cells under pressure of both sides from above as polygons, to the right and ahead in mm, with their values."""
+    sides: dict[str, Any] = {}
     for side in SIDES:
-        shown, cells = patch_map(run.space, side), run.space.equilibrium.state.sides[side].cells
-        loaded = cells.pressures > 0.0
-        if not loaded.any():
+        shown = patch_map(run.space, side)
+        drawn, cells = shown.cells_drawn, shown.cells
+        if not drawn.chosen.any():
             continue
-        rows, strips = (np.flatnonzero(loaded.any(axis=axis)) for axis in (1, 0))
-        part = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(max(strips[0] - 1, 0), strips[-1] + 2)
-        tractions = run.space.tractions_of(side)
-        below = stresses_below(run.space, side)
-        arrays[side] = {
-            "across": _rounded(shown.across(cells.grid.cells[part[0]])),
-            "along": _rounded(cells.grid.along[part[1]]),
-            "strip": cells.grid.strip,
-            "pressures": _rounded(cells.pressures[part], 1),
-            "stresses": {field.name: _rounded(below[field.array][part], 1) for field in below_fields(run.case.units)},
+        tractions, below = run.space.tractions_of(side), stresses_below(run.space, side)
+        patches = [patch for patch in run.space.patches if patch.side == side]
+        sides[side] = {
+            "polygons": _rounded(drawn.polygons),
+            "outline": _rounded(drawn.outline),
+            "pressures": _rounded(cells.pressures[drawn.chosen], 1),
+            "stresses": {
+                field.name: _rounded(below[field.array][drawn.chosen], 1) for field in below_fields(run.case.units)
+            },
             # along the rail's surface to the right, and ahead
             "tractions": None
             if tractions is None
-            else _rounded(tractions[part] * np.array([-SIDE_SIGN[side], 1.0]), 1),
+            else _rounded(tractions[drawn.chosen] * np.array([-SIDE_SIGN[side], 1.0]), 1),
+            # cells of each patch, by its region
+            "patches": [
+                [patch.region, np.flatnonzero(patch.ellipse.inside[drawn.chosen]).tolist()] for patch in patches
+            ],
         }
-    return arrays
+    return sides
 
 
 def _rounded(values: Floats, digits: int = 4) -> list[Any]:

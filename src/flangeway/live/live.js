@@ -374,30 +374,33 @@ function drawPatches() {
   const fields = Object.keys(sides[names[0]].stresses);
   if (select.length === 1) select.append(...fields.map(name => new Option(name, name)));
   const field = select.value, valuesOf = side => field ? sides[side].stresses[field] : sides[side].pressures;
-  const highest = Math.max(...names.map(side => Math.max(...valuesOf(side).flat())));
-  const boxes = names.map(side => [span(sides[side].across.flat()), span(sides[side].along)]);
-  const scale = Math.min(...boxes.map(([[a, b], [c, d]]) => Math.min((width / 2 - 30) / (b - a), (height - 66) / (d - c))));
+  const highest = Math.max(...names.flatMap(valuesOf)) || 1;
+  const extent = polygons => [0, 1].map(axis => span(polygons.flat().map(point => point[axis])));
+  const boxes = names.map(side => extent(sides[side].polygons)), captions = names.map(side => sides[side].patches.length + 1);
+  const above = 6 + 15 * Math.max(...captions), room = height - above - 50;
+  const scale = Math.min(...boxes.map(([[a, b], [c, d]]) => Math.min((width / 2 - 30) / (b - a), room / (d - c))));
   names.forEach((side, k) => {
-    const { across, along, strip, pressures, tractions } = sides[side], [[a, b], [c, d]] = boxes[k];
-    const x = v => width * (side === "left" ? 0.25 : 0.75) + scale * (v - (a + b) / 2);
-    const y = v => height / 2 - 3 - scale * (v - (c + d) / 2);
-    for (const [first, last] of runs(across)) {
-      const image = picture(valuesOf(side).slice(first, last), highest, across[0][0] < across[1][0]);
-      const [left, right] = [x(across[first][0]), x(across[last - 1][1])].sort((u, v) => u - v);
-      const low = y(along[0] - strip / 2), high = y(along.at(-1) + strip / 2);
-      context.drawImage(image, left, high, right - left, low - high);
-    }
-    if (tractions && !field) {
-      const most = Math.max(...tractions.flat().map(t => Math.hypot(t[0], t[1]))) || 1;
-      const every = Math.max(1, Math.round(pressures.length / 12));
-      tractions.forEach((row, i) => row.forEach((t, j) => {
-        if (i % every || j % every || pressures[i][j] <= 0) return;
-        const px = x((across[i][0] + across[i][1]) / 2), py = y(along[j]), f = 16 / most;
-        line(context, [[px, py], [px + f * t[0], py - f * t[1]]], colour("--ink"), 1.2);
-      }));
-    }
+    const { polygons, outline, tractions, patches } = sides[side], [[a, b], [c, d]] = boxes[k];
+    const left = side === "left" ? 0 : width / 2, ratio = context.getTransform().a;
+    const whole = v => Math.round(ratio * v) / ratio;  // whole pixels: no seams between cells
+    const at = ([x, y]) => [left + width / 4 + scale * (x - (a + b) / 2), above + room / 2 - scale * (y - (c + d) / 2)];
+    polygons.forEach((corners, i) => {
+      context.beginPath();
+      corners.map(at).forEach(([x, y]) => context.lineTo(whole(x), whole(y)));
+      context.fillStyle = `rgb(${heat(valuesOf(side)[i] / highest)})`;
+      context.fill();
+    });
+    if (tractions && !field) drawTractions(context, polygons.map(corners => at(middle(corners))), tractions);
+    context.beginPath();
+    for (const ends of outline) ends.map(at).forEach(([x, y], i) => i ? context.lineTo(whole(x), whole(y)) : context.moveTo(whole(x), whole(y)));
+    Object.assign(context, { strokeStyle: colour("--ink"), lineWidth: 1, lineCap: "square" });
+    context.stroke();
     context.fillStyle = colour("--soft");
-    context.fillText(`${side} rail, ${inUnit(b - a, "mm", 1)} × ${inUnit(d - c, "mm", 1)}`, (side === "left" ? 0 : width / 2) + 8, 14);
+    context.fillText(`${side} rail`, left + 8, 14);
+    patches.forEach(([region, cells], i) => {
+      const [[x0, x1], [y0, y1]] = extent(cells.map(cell => polygons[cell]));
+      context.fillText(`${region}: ${inUnit(x1 - x0, "mm", 1)} × ${inUnit(y1 - y0, "mm", 1)}`, left + 8, 29 + 15 * i, width / 2 - 12);
+    });
   });
   context.fillStyle = colour("--soft");
   context.fillText(`${field || "pressure"}, maximum ${inUnit(highest, "MPa", 0)}`, 8, height - 22);
@@ -405,48 +408,23 @@ function drawPatches() {
     + (!field && names.some(side => sides[side].tractions) ? "; lines: tractions on the wheel" : ""), 8, height - 6);
 }
 
-// rows of cells without gaps between them
-function runs(across) {
-  const found = [];
-  let first = 0;
-  for (let i = 1; i <= across.length; i += 1) {
-    const width = Math.abs(across[i - 1][1] - across[i - 1][0]);
-    const joined = i < across.length && Math.abs(across[i][0] - across[i - 1][1]) < 0.01 * width;
-    if (!joined) { found.push([first, i]); first = i; }
-  }
-  return found;
-}
+const middle = corners => [0, 1].map(axis => corners.reduce((sum, point) => sum + point[axis], 0) / corners.length);
 
-// several pixels a cell; squares of values are nearly linear at the edge of a patch, where they go on below zero
-const FINE = 6;
-function picture(values, highest, rising) {
-  const n = values.length, m = values[0].length, made = element("canvas");
-  const square = (i, j) => Math.max(values[i]?.[j] ?? 0, 0) ** 2, steps = [-1, 0, 1];
-  const levels = values.map((row, i) => row.map((_, j) => {
-    if (square(i, j) > 0) return square(i, j);
-    const beyond = steps.flatMap(a => steps.map(b => {
-      const one = square(i + a, j + b), two = square(i + 2 * a, j + 2 * b);
-      return one > 0 ? Math.min(two > 0 ? 2 * one - two : -one, 0) : null;
-    })).filter(v => v !== null);
-    return beyond.length ? beyond.reduce((u, v) => u + v) / beyond.length : -0.1 * highest ** 2;
-  }));
-  const around = (k, count) => {
-    const place = Math.min(Math.max((k + 0.5) / FINE - 0.5, 0), count - 1), first = Math.min(Math.floor(place), Math.max(count - 2, 0));
-    return [first, Math.min(first + 1, count - 1), place - first];
-  };
-  Object.assign(made, { width: n * FINE, height: m * FINE });
-  const context = made.getContext("2d"), data = context.createImageData(made.width, made.height);
-  for (let k = 0; k < made.width; k += 1) {
-    const [i, i2, s] = around(k, n);
-    for (let l = 0; l < made.height; l += 1) {
-      const [j, j2, t] = around(l, m);
-      const level = (1 - s) * ((1 - t) * levels[i][j] + t * levels[i][j2]) + s * ((1 - t) * levels[i2][j] + t * levels[i2][j2]);
-      const at = 4 * ((made.height - 1 - l) * made.width + (rising ? k : made.width - 1 - k));
-      data.data.set([...heat(Math.sqrt(Math.max(level, 0)) / highest), level > 0 ? 255 : 0], at);
-    }
+// an arrow in each square of the picture, at the cell that is closest to the middle of the square
+const SQUARE = 18;
+function drawTractions(context, centres, tractions) {
+  const most = Math.max(...tractions.map(t => Math.hypot(t[0], t[1]))) || 1, squares = new Map();
+  centres.forEach(([x, y], i) => {
+    const square = [x, y].map(v => Math.floor(v / SQUARE)), key = String(square);
+    const off = Math.hypot(x / SQUARE - square[0] - 0.5, y / SQUARE - square[1] - 0.5);
+    if (!(off >= squares.get(key)?.off)) squares.set(key, { off, i });
+  });
+  for (const { i } of squares.values()) {
+    const [x, y] = centres[i], [tx, ty] = tractions[i].map(t => 16 / most * t);
+    if (Math.hypot(tx, ty) < 1) continue;
+    line(context, [[x, y], [x + tx, y - ty]], "white", 3);
+    line(context, [[x, y], [x + tx, y - ty]], "#1a1d21", 1.2);
   }
-  context.putImageData(data, 0, 0);
-  return made;
 }
 
 function heat(t) {  // from pale yellow over red to dark violet

@@ -7,11 +7,13 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Patch
 
 from flangeway.contact.patch.patch_contact import CellForces, ContactEllipse
+from flangeway.contact.patch.patch_grid import pairs_of
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.exact import PointContact
@@ -36,7 +38,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.viewer import ShownField
 from flangeway.results import Units
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Ints
 
 # --- Patches on the cells of a surface: pressures from above, along both axes, stresses below; the surface as a mesh.
 
@@ -87,7 +89,14 @@ class PatchMap:
         cells, loaded = self.cells, self.cells.forces > 0.0
         rows, strips = (np.flatnonzero(loaded.any(axis=1 - axis)) if loaded.any() else [0, -1] for axis in (0, 1))
         ends = np.sort(self.across(cells.grid.cells[[rows[0], rows[-1]], [0, 1]]))
-        return framed(np.column_stack((ends, cells.grid.along[[strips[0], strips[-1]]])), MARGIN)
+        ahead = pairs_of(cells.grid.strip_bounds)[[strips[0], strips[-1]], [0, 1]]
+        return framed(np.column_stack((ends, ahead)), MARGIN)
+
+    @property
+    def cells_drawn(self) -> "DrawnCells":
+        """The cells under pressure as they are drawn."""
+        grid = self.cells.grid
+        return DrawnCells.between(self.across(grid.bounds), grid.strip_bounds, self.cells.forces > 0.0)
 
 
 def station_of(cells: CellForces, patch: ContactEllipse) -> Floats:
@@ -98,12 +107,9 @@ def station_of(cells: CellForces, patch: ContactEllipse) -> Floats:
 
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
     """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
-    grid, pressures, scale = shown.cells.grid, shown.cells.pressures, Normalize(0.0, highest)
-    drawn = np.where(pressures > 0.0, pressures, np.nan)
-    axes.pcolormesh(shown.across(grid.bounds), grid.strip_bounds, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
-    if min(pressures.shape) > 1 and (pressures > 0.0).any():
-        middles = shown.across(grid.stations)
-        axes.contour(middles, grid.along, pressures.T > 0.0, levels=[0.5], colors=[INK], linewidths=1.0)
+    drawn, scale = shown.cells_drawn, Normalize(0.0, highest)
+    _fill(axes, drawn, shown.cells.pressures, COLOURS, scale)
+    axes.add_collection(LineCollection(list(drawn.outline), colors=INK, linewidths=1.0, capstyle="projecting"))
     for patch, hertz in shown.patches:
         if hertz is not None:
             first = not axes.get_legend_handles_labels()[0]
@@ -158,12 +164,53 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
     name_axes(axes, ("stress", "MPa"), ("depth", "mm"))
 
 
+@dataclass(frozen=True, eq=False)
+class DrawnCells:
+    """Cells of a patch as polygons: what the live page, pictures and the viewer draw, and files hold.
+
+    - `points`: corners of all cells, shape (n_points, 2).
+    - `corners`: numbers of the points of the chosen cells, by rows and strips, shape (n_chosen, 4).
+    - `chosen`: which of the cells these are, shape (n_cells, n_strips).
+    """
+
+    points: Floats
+    corners: Ints
+    chosen: Bools
+
+    @classmethod
+    def between(cls, across: Floats, ahead: Floats, chosen: Bools) -> "DrawnCells":
+        """Cells between neighbouring ends (n_cells + 1,) across and (n_strips + 1,) ahead, which may be uneven."""
+        points = np.stack(np.meshgrid(across, ahead, indexing="ij"), axis=-1).reshape(-1, 2)
+        # point (i, j) has the number i * (n_strips + 1) + j
+        first = np.arange(len(across) - 1)[:, None] * len(ahead) + np.arange(len(ahead) - 1)
+        last = first + len(ahead)
+        return cls(points, np.stack((first, last, last + 1, first + 1), axis=-1)[chosen], chosen)
+
+    @property
+    def polygons(self) -> Floats:
+        """Corners of the chosen cells, shape (n_chosen, 4, 2)."""
+        return self.points[self.corners]
+
+    @property
+    def outline(self) -> Floats:
+        """Sides of chosen cells that border on no other one, shape (n_sides, 2, 2)."""
+        sides = np.stack((self.corners, np.roll(self.corners, -1, axis=1)), axis=-1).reshape(-1, 2)
+        unique, count = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+        return self.points[unique[count == 1]]
+
+
+def _fill(axes: Axes, drawn: DrawnCells, values: Floats, colours: Any, scale: Normalize) -> ScalarMappable:
+    """Fill cells by their values (n_cells, n_strips)."""
+    style: Style = {"cmap": colours, "norm": scale, "antialiaseds": False, "linewidths": 0.0, "rasterized": True}
+    filled = PolyCollection(list(drawn.polygons), array=values[drawn.chosen], **style)
+    axes.add_collection(filled)
+    return filled
+
+
 def strip_mesh(nodes: Floats, z: Floats) -> PolyMesh:
     """Mesh of k times m points (length, z), with cells between neighbours."""
-    points = np.stack(np.meshgrid(nodes, z, indexing="ij"), axis=-1).reshape(-1, 2)
-    first = np.arange(len(nodes) - 1)[:, None] * len(z) + np.arange(len(z) - 1)
-    last = first + len(z)
-    return PolyMesh.from_cells(points, np.stack((first, last, last + 1, first + 1), axis=-1).reshape(-1, 4))
+    drawn = DrawnCells.between(nodes, z, np.ones((len(nodes) - 1, len(z) - 1), dtype=np.bool_))
+    return PolyMesh.from_cells(drawn.points, drawn.corners)
 
 
 def at_corners(cells: Mapping[str, Floats]) -> dict[str, Floats]:
@@ -223,6 +270,11 @@ class ShownRolling:
         both = zip(self.edges, self.forces.contact.box, strict=True)
         corners = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
         return framed(corners, ROLLING_MARGIN)
+
+    @property
+    def cells_drawn(self) -> DrawnCells:
+        """The cells in contact as they are drawn."""
+        return DrawnCells.between(*self.edges, self.forces.states != NO_CONTACT)
 
     @property
     def tractions(self) -> Floats:
@@ -288,9 +340,8 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
 def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     """Areas of stick and slip, with arrows of the tractions on the second body."""
     states, edges = shown.forces.states, shown.edges
-    drawn = np.ma.masked_equal(states, NO_CONTACT).T
-    colours = ListedColormap([STICK, SLIP])
-    axes.pcolormesh(*edges, drawn, cmap=colours, norm=Normalize(STICKS - 0.5, SLIPS + 0.5), rasterized=True)
+    colours, scale = ListedColormap([STICK, SLIP]), Normalize(STICKS - 0.5, SLIPS + 0.5)
+    _fill(axes, shown.cells_drawn, states.astype(np.float64), colours, scale)
     spacing = max(np.ptp(shown.box, axis=0)) / ARROWS
     chosen = []
     for ends, cells in zip(edges, shown.forces.contact.box, strict=True):
@@ -309,10 +360,9 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
 
 
 def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> None:
-    drawn = np.where(shown.forces.states != NO_CONTACT, values, np.nan)
-    scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
-    mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
-    colour_bar(mesh, axes, name, unit, aspect=18, pad=0.02)
+    drawn = shown.cells_drawn
+    scale = Normalize(0.0, max(float(values[drawn.chosen].max()), np.finfo(float).tiny))
+    colour_bar(_fill(axes, drawn, values, COLOURS, scale), axes, name, unit, aspect=18, pad=0.02)
 
 
 # --- Patches in the shakedown diagram: maximum pressure over shear strength, and traction coefficient.
