@@ -50,7 +50,8 @@ class Quantity(Generic[T_contra]):
     factor
         Number by which the value of `of` is multiplied, such as 1e-3 for a force in N that is reported in kN.
     remark
-        Function of the object that returns why the number is approximate; tables mark it and print the reason.
+        Function of the object that returns why the number is approximate, None if it is not; tables mark it and print
+        the reason.
 
     """
 

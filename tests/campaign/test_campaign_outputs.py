@@ -7,6 +7,7 @@ import re
 import sqlite3
 from collections import Counter
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from flangeway.campaign.campaign_run import Chunk, compute
 from flangeway.campaign.database import CampaignDatabase, RowResult, export_writers
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.report.campaign_figures import campaign_figures
+from flangeway.report.campaign_figures import ROUGH, campaign_figures
 from flangeway.report.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
@@ -337,6 +338,30 @@ def test_rows_carry_the_load_and_have_the_columns_of_both_models(spatial_sweep):
     assert found.numbers("left_head_lateral_mm")[0] == pytest.approx(-found.numbers("right_head_lateral_mm")[2])
     # with yaw the right wheel is ahead
     assert (found.numbers("right_longitudinal_position_mm")[1::2] > 1.0).all()
+
+
+def marked_points(found, name):
+    """Rows that a picture of both sides marks as rough: the abscissae of each side."""
+    axes = campaign_figures(found)[name]().axes[:2]
+    lines = [[line for line in panel.lines if line.get_label() == ROUGH] for panel in axes]
+    return [sorted({float(x) for line in of_panel for x in line.get_xdata()}) for of_panel in lines]
+
+
+@pytest.mark.parametrize("name", ["max-pressure.png", "max-pressure-map.png"])
+def test_only_rough_pressures_are_marked(spatial_sweep, sweep, name):
+    """Pressures without a remark have no mark; those with one, here invented for two rows, are marked.
+
+    Of both models no remark is None, as any other number that is not there.
+    """
+    _, found = spatial_sweep
+    fine = {**found.rows, **{f"{side}_max_pressure_remark": [None] * 4 for side in ("left", "right")}}
+    assert marked_points(replace(found, rows=fine), name) == [[], []]
+    fine["left_max_pressure_remark"] = [None, "8 by 5 cells", "9 by 6 cells", None]
+    assert marked_points(replace(found, rows=fine), name) == [[-1.0, 1.0], []]
+    for table in (found, sweep[1]):
+        cells = [cell for column in (*table.rows.values(), *table.patches.values()) for cell in column]
+        assert "" not in cells
+    assert set(found.rows["left_max_pressure_remark"]) == {None}
 
 
 def test_rows_that_roll_have_their_creep_forces(tmp_path):

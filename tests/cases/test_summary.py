@@ -51,7 +51,8 @@ def test_keys_are_those_that_programs_rely_on(run):
         assert set(run.summary[key]) == names
     assert all(set(patch) == PATCH for patch in run.summary["patches"])
     kinds = {str if isinstance(value, str) else type(value) for value in leaves({**run.summary, "case": {}})}
-    assert kinds <= {str, bool, int, float, type(None)}  # no remark is null
+    assert kinds <= {str, bool, int, float, type(None)}  # no remark is null, and not an empty text
+    assert "" not in leaves(run.summary)
     inputs = {type(value) for value in run.summary["case"].values()}
     assert inputs <= {str, bool, int, float, type(None)}  # an input that was left out is null
 

@@ -101,8 +101,8 @@ class EllipticPatch(Protocol):
         """Hertz's contact for the same force and curvatures; None where these vary too much within the patch."""
 
     @property
-    def remark(self) -> str:
-        """What limits the maximum pressure, empty if nothing does."""
+    def remark(self) -> str | None:
+        """What limits the maximum pressure, None if nothing does."""
 
 
 MAX_PRESSURE: Quantity[EllipticPatch] = Quantity(

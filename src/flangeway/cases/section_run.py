@@ -288,7 +288,7 @@ def _numbers(run: SectionRun) -> dict[str, Any]:
             f"area_{unit}2": float(mesh.cell_areas.sum()),
         },
         "unit": unit,
-        "certainty": drawn.certainty,
+        "certainty": drawn.certainty or None,
     }
     if drawn.materials:
         summary["weights"] = {

@@ -48,7 +48,7 @@ class SpatialPatchResult:
 
     contact: PatchContact
     ellipse: ContactEllipse
-    remark: str = ""
+    remark: str | None = None
 
     @cached_property
     def hertz(self) -> PointContact | None:

@@ -45,7 +45,7 @@ OF_SIDES: dict[str, tuple[str, tuple[Column, ...]]] = {
 """Title and rows of the pictures of results of both sides against an input."""
 
 MAX_LABELLED = 8
-ROUGH = "not reliable, see its remark"
+ROUGH = "mesh too coarse"
 MIN_POINT, MAX_POINT = 3.0, 40.0
 
 

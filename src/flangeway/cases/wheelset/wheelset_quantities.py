@@ -120,7 +120,7 @@ class PatchResult:
         return self.patch.hertz
 
     @property
-    def remark(self) -> str:
+    def remark(self) -> str | None:
         """What limits the maximum pressure."""
         return self.patch.remark
 

@@ -109,10 +109,10 @@ class SpatialPatch:
         return self.state.cells.hertz(self.ellipse, gaps, approach)
 
     @property
-    def remark(self) -> str:
-        """What limits the maximum pressure, empty if nothing does."""
+    def remark(self) -> str | None:
+        """What limits the maximum pressure, None if nothing does."""
         across, along = self.ellipse.cells
-        return f"{across} by {along} cells" if min(across, along) < MIN_CELLS_OF_PATCH else ""
+        return f"{across} by {along} cells" if min(across, along) < MIN_CELLS_OF_PATCH else None
 
     def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
         """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the side.

@@ -125,7 +125,7 @@ class About(str):
 
 def marked(text: str, remark: str | None) -> str:
     """Return the text of a value, with the reason why it is approximate, if there is one."""
-    if not remark:
+    if remark is None:
         return text
     about = About(text)
     about.remark = remark
