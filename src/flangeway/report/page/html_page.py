@@ -5,12 +5,14 @@ import re
 import shlex
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import date
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Template
 from markupsafe import Markup, escape
 
@@ -157,6 +159,10 @@ def command_line(case: RunnableCase) -> str:
 # --- The report, one HTML page with all pictures inside that needs no network, and the other files of a record.
 
 
+PAGE_LETTERS, HALF_LETTERS = 98, 48
+"""Letters beside each other on a page of A4, and on half of one, of the widest usual font (0.64 em, 8 pt)."""
+LABEL_LETTERS, SHORT_LETTERS, GAP_LETTERS = 24, 12, 2
+"""Letters of a line of row names, of cells that do not break, and between columns."""
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
@@ -183,6 +189,33 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
         else "",
         program=Markup((files("flangeway.report.page") / "page.js").read_text(encoding="utf-8")),
     )
+
+
+def printed_parts(table: SummaryTable) -> list[SummaryTable]:
+    """Return tables of the first and some of the other columns, as few as fit the width of a printed page."""
+    label, *widths = _widths(table)
+    most = max((label + width for width in widths), default=0)
+    for number in range(1, len(widths) + 1):
+        groups = np.array_split(np.arange(1, len(widths) + 1), number)
+        if max(label + sum(widths[column - 1] for column in group) for group in groups) <= max(PAGE_LETTERS, most):
+            break
+    else:
+        return [table]
+    parts = [[tuple(line[at] for at in (0, *group)) for line in (table.header, *table.rows)] for group in groups]
+    return [replace(table, header=header, rows=tuple(rows)) for header, *rows in parts]
+
+
+def _widths(table: SummaryTable) -> list[int]:
+    """Letters of the widest cell of each column: names of rows and longer texts break between words."""
+
+    def letters(cell: str) -> int:
+        return len(cell) if len(cell) <= SHORT_LETTERS else min(max(map(len, cell.split()), default=0), LABEL_LETTERS)
+
+    label, *columns = zip(table.header, *table.rows, strict=True)
+    return [
+        min(max(map(len, label)), LABEL_LETTERS),
+        *(max(map(letters, column)) + GAP_LETTERS for column in columns),
+    ]
 
 
 def record_html(record: Record) -> str:
@@ -243,8 +276,10 @@ def _in_units(row: Sequence[Any], units: Units) -> Sequence[Any]:
 @cache
 def _template() -> Template:
     filters: dict[str, Any] = {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
+    filters["printed"] = printed_parts
     environment = templates("flangeway.report.page", markup=True, **filters)
-    environment.tests |= {"words": lambda text: not NUMBER_CELL.fullmatch(text)}
+    environment.tests["words"] = lambda text: not NUMBER_CELL.fullmatch(text)
+    environment.tests["narrow"] = lambda table: sum(_widths(table)) <= HALF_LETTERS
     return environment.get_template("page.html")
 
 
