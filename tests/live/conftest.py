@@ -29,7 +29,7 @@ def served(request):
     while not server.server.started:
         time.sleep(0.02)
     yield server
-    server.server.should_exit = True
+    server.close()
     thread.join(timeout=20)
     assert not thread.is_alive()
     assert not server.engine.folder.exists()

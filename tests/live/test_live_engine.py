@@ -1,10 +1,20 @@
 """The live page's engine computes what commands do, in a notebook too; its server answers this machine alone."""
 
+import http.client
 import json
+import os
 import re
+import signal
+import stat
+import subprocess
+import sys
 import threading
+import time
 import urllib.error
+import urllib.parse
 import urllib.request
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -169,6 +179,104 @@ def test_the_page_needs_its_token(served):
         assert answered(root + path, "{}")[0] == 403
 
 
+def test_pages_of_others_are_refused(served):
+    """A request that another page sends is refused; answers may not be shown inside of others, nor guessed at."""
+    own = served.address.rpartition(f"/{served.token}/")[0]
+    for origin, status in ((own, 200), ("http://example.org", 403), ("null", 403)):
+        assert answered(f"{served.address}form", "{}", {"Origin": origin})[0] == status
+    with urllib.request.urlopen(served.address, timeout=60) as response:
+        assert "frame-ancestors 'none'" in response.headers["Content-Security-Policy"]
+        assert response.headers["X-Content-Type-Options"] == "nosniff"
+
+
+BODIES = [
+    *("", "[]", "null", "1", '"x"', "{", "[" * 900_000, '{"a":' * 100_000),
+    *('{"wheel": 1}', '{"wheel": null}', '{"wheel": {}}', r'{"wheel": "S\u0000"}', r'{"wheel\u0000": "S"}'),
+    *(r'{"\ud800": "x"}', '{"gauge_mm": "1e999"}', '{"friction_file": "/etc/passwd"}', '{"x": NaN}'),
+    *(json.dumps({f"k{number}": "1" for number in range(n)}) for n in (199, 60_000)),
+    *(
+        '{"a": "%s"}' % ("x" * 1_100_000),
+        '{"rail": "%s"}' % ("x" * 500_000),
+        '{"axle_load_kN": "%s"}' % ("9" * 500_000),
+    ),
+]
+
+
+@pytest.mark.parametrize("name", ["geometry", "position", "report", "saved"])
+def test_any_body_is_answered(served, name):
+    """Whatever is sent in place of inputs is refused with a message, at once."""
+    for body in BODIES:
+        begun = time.perf_counter()
+        status, text = answered(f"{served.address}{name}", body)
+        assert 400 <= status < 500, (body[:50], status)
+        assert json.loads(text)["error"]
+        assert time.perf_counter() - begun < 5.0  # 0.1 on a quiet machine
+
+
+@pytest.mark.parametrize(
+    "options", ["[]", "x", '{"mirror": "x"}', '{"no": 1}', '{"tape_mm": NaN}', '{"unit": "parsec"}']
+)
+@pytest.mark.parametrize("name", ["a.whl", "a\0.whl", "", "..", "x" * 300 + ".whl", "../x.whl"])
+def test_any_file_is_answered(served, name, options):
+    """A name or options that are not allowed are refused with a message, and no file stays."""
+    query = urllib.parse.urlencode({"name": name, "options": options})
+    for content in ("", "1 2\n3 4\n", "\0" * 100):
+        status, text = answered(f"{served.address}profile?{query}", content)
+        assert 400 <= status < 500
+        assert json.loads(text)["error"]
+    assert not [
+        path for path in served.engine.folder.rglob("*") if path.is_file() and path.name not in served.engine.files
+    ]
+
+
+@pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
+def test_a_signal_ends_it_at_once_and_leaves_nothing(profiles, tmp_path, interruptible, kind):
+    """While a position is computed each signal ends the command within seconds, and the folder of files is gone.
+
+    The browser's command line, which all users can read, has no token: it names a file of this user.
+    """
+    browser = tmp_path / "browser"
+    browser.write_text('#!/bin/sh\necho "$@" > "$(dirname "$0")/opened"\n')
+    browser.chmod(0o755)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    environment = os.environ | {"TMPDIR": str(temporary), "BROWSER": f"{browser} %s"}
+    command = [sys.executable, "-m", "flangeway", "live"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, env=environment, text=True)
+    address = process.stdout.readline().strip()
+    token = address.rstrip("/").rpartition("/")[2]
+
+    def ask():
+        with suppress(OSError, http.client.HTTPException):
+            answered(f"{address}position", json.dumps({"wheel": "S1002", "rail": "60E1", "size_scale": "0.5"}))
+
+    try:
+        while True:
+            with suppress(OSError):
+                if answered(address)[0] == 200:
+                    break
+        content = (profiles / "my-wheel.whl").read_text()
+        assert answered(f"{address}profile?name=my.whl", content)[0] == 200
+        opened = (tmp_path / "opened").read_text()
+        page = Path(urllib.parse.urlparse(opened.strip()).path)
+        assert token not in opened
+        assert address in page.read_text()
+        assert stat.S_IMODE(page.stat().st_mode) == 0o600
+        assert len(list(temporary.rglob("my.whl"))) == 1
+        threading.Thread(target=ask, daemon=True).start()
+        time.sleep(1.0)
+        process.send_signal(getattr(signal, kind))
+        process.wait(timeout=5)
+        for _ in range(100):
+            if not list(temporary.iterdir()):
+                break
+            time.sleep(0.05)
+        assert not list(temporary.iterdir())
+    finally:
+        process.kill()
+        process.communicate()
+
+
 def test_other_names_of_the_machine_are_refused(served):
     """A page of another host cannot reach the server by a name that it lets point here."""
     assert answered(served.address, headers={"Host": "example.org"})[0] == 400
@@ -179,6 +287,21 @@ def test_wrong_inputs_have_messages(served):
     status, text = answered(f"{served.address}geometry", json.dumps({"gauge_mm": "-5"}))
     assert status == 422
     assert "gauge_mm" in json.loads(text)["error"]
+
+
+def test_positions_are_computed_by_one_thread(engine):
+    """Positions, whoever asks for them, are computed by one thread, so that memory that is freed serves the next."""
+    threads = set()
+
+    def noted(_):
+        threads.add(threading.get_ident())
+
+    askers = [threading.Thread(target=lambda: engine._alone(noted)) for _ in range(5)]
+    for asker in askers:
+        asker.start()
+        asker.join()
+    assert len(threads) == 1
+    assert not threads & {asker.ident for asker in askers}
 
 
 def test_large_files_are_refused(served):

@@ -1,7 +1,8 @@
 """``flangeway geometry``, ``section``, ``profile`` and ``live``."""
 
+import os
+import sys
 import webbrowser
-from contextlib import suppress
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,6 +11,7 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
+    DONE,
     Out,
     Set,
     Show,
@@ -342,6 +344,7 @@ def live(
     server = LiveServer(profiles or [], port, units_given(units) or "metric")
     stdout().print(f"{server.address}\nThe page is served on this machine alone; Ctrl-C ends it.", soft_wrap=True)
     if browser:
-        webbrowser.open(server.address)
-    with suppress(KeyboardInterrupt):  # the way to end it
-        server.run()
+        webbrowser.open(server.opener().as_uri())
+    server.run()
+    sys.stdout.flush()
+    os._exit(DONE)  # without waiting for a position that is being computed

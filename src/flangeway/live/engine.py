@@ -5,12 +5,14 @@ digit. Sections and their compliance are kept between positions, as in a campaig
 """
 
 import os
+import shutil
+import tempfile
 import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_
 from flangeway.cases.rigid_run import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
-from flangeway.errors import FlangewayError, InputError
+from flangeway.errors import FlangewayError, InputError, short
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import READABLE, read_profile
@@ -33,7 +35,9 @@ from flangeway.report.wheelset.wheelset_page import below_fields, results_table,
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.results import Units, us_unit, with_texts
 from flangeway.system.disk_cache import LatestValues
-from flangeway.types import Floats, floats
+from flangeway.types import Floats, Progress, floats
+
+T = TypeVar("T")
 
 LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
@@ -52,6 +56,8 @@ LATERAL_POSITIONS = "lateral_mm = { from = -6, to = 6, n = 25 }"
 """VARIED, LATERAL_POSITIONS: inputs that a saved campaign has not from the page, and the positions that it computes."""
 MAX_GEOMETRIES = 12
 """Rigid geometries that are kept; each takes some hundred kilobytes."""
+MAX_NAME = 200
+"""Letters of the name of a dropped file."""
 MAX_FILE_BYTES = 20_000_000
 """Size of a dropped file: measured profiles have some hundred kilobytes, files of slices a few megabytes."""
 
@@ -80,6 +86,9 @@ class LiveEngine:
     units: Units = "metric"
     _newest: int = 0
     _computing: threading.Lock = field(default_factory=threading.Lock)
+    # one thread for each kind of work: the memory that a thread has freed serves no other one
+    _positions: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    _rigid: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _bodies: LatestValues[Any] = field(default_factory=lambda: LatestValues(MAX_PREPARED))
     _geometries: LatestValues[dict[str, Any]] = field(default_factory=lambda: LatestValues(MAX_GEOMETRIES))
 
@@ -103,18 +112,22 @@ class LiveEngine:
     def add_profile(self, name: str, content: bytes, options: Mapping[str, Any]) -> dict[str, Any]:
         """Keep a dropped file, and return how it is read: kind, orientation, notices, and its points for a picture."""
         base = Path(name.replace("\\", "/")).name
-        if Path(base).suffix.lower() not in READABLE:
-            raise InputError(f"the file {base!r}", f"a profile: {', '.join(READABLE)}", "drop a file of one of these")
-        if content:
-            self.files[base] = self.folder / base
-            self.files[base].write_bytes(content)
+        if Path(base).suffix.lower() not in READABLE or len(base) > MAX_NAME or not base.isprintable():
+            raise InputError(
+                f"the file {short(base)}", f"a profile: {', '.join(READABLE)}", "drop a file of one of these"
+            )
+        stored = Path(tempfile.mkdtemp(dir=self.folder)) / base if content else None
+        path = stored or self._path(base)
+        if stored:
+            stored.write_bytes(content)
         try:
-            measured = read_profile(self._path(base), ReadOptions(**options))
+            measured = read_profile(path, ReadOptions(**options))
         except InputError as reason:
-            if content:
-                del self.files[base]
-            given = with_texts(reason.given, lambda text: text.replace(f"{self.folder}{os.sep}", ""))
+            if stored:
+                shutil.rmtree(stored.parent)
+            given = with_texts(reason.given, lambda text: text.replace(f"{path.parent}{os.sep}", ""))
             raise InputError(given, reason.allowed, reason.advice) from reason
+        self.files[base] = path
         surface = measured.surface.sampled(max_deviation=OUTLINE_MM)
         return {
             "name": base,
@@ -142,12 +155,14 @@ class LiveEngine:
         """Return outlines, and rigid contact over the lateral position: points, radii, angles, conicity."""
         case = self.case(inputs)
         others = type(case).model_fields.keys() - {*GEOMETRY_KEYS}
-        return self._geometries.get(hash_of(case_content(case, others)), lambda: _geometry(case))
+        key = hash_of(case_content(case, others))
+        return self._rigid.submit(self._geometries.get, key, lambda: _geometry(case)).result()
 
     def position(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return a position with its patches; `SupersededError` if a newer request comes meanwhile."""
-        with self._alone() as progress:
-            run = self._run(self.case(inputs), progress)
+        return self._alone(lambda progress: self._position(self._run(self.case(inputs), progress)))
+
+    def _position(self, run: WheelsetRun) -> dict[str, Any]:
         result, table = run.space, results_table(run)
         return {
             "converged": result.status.converged,
@@ -163,9 +178,12 @@ class LiveEngine:
 
     def report(self, inputs: Mapping[str, str]) -> str:
         """Return the report of a position, one page of HTML."""
-        with self._alone() as progress:
+
+        def page(progress: Progress) -> str:
             record = case_record(self._run(self.case(inputs), progress))
             return report_page(record, [(picture, png(picture.draw())) for picture in record.pictures])
+
+        return self._alone(page)
 
     def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
@@ -186,9 +204,8 @@ class LiveEngine:
         """Whether a position or a report is being computed."""
         return self._computing.locked()
 
-    @contextmanager
-    def _alone(self) -> Iterator[Any]:
-        """Wait for the computation before, which stops at its next step; the value raises once a newer one is there."""
+    def _alone(self, work: Callable[[Progress], T]) -> T:
+        """Wait for the computation before, which stops at its next step; the work ends once a newer one is there."""
         self._newest += 1
         number = self._newest
 
@@ -198,9 +215,9 @@ class LiveEngine:
 
         with self._computing:
             progress("")
-            yield progress
+            return self._positions.submit(work, progress).result()
 
-    def _run(self, case: SpatialWheelsetCase, progress: Any) -> WheelsetRun:
+    def _run(self, case: SpatialWheelsetCase, progress: Progress) -> WheelsetRun:
         return case.run_on(self._bodies.get(bodies_key(case), lambda: case.prepared(progress)), progress)
 
     def _path(self, name: str) -> Path:

@@ -5,7 +5,7 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from flangeway.live.server import LiveServer
+from flangeway.live.server import NOTEBOOKS, LiveServer
 from flangeway.results import Units
 
 HEIGHT_PX = 900
@@ -34,13 +34,13 @@ class LiveWidget:
             Units of inputs and numbers of the page.
 
         """
-        server = LiveServer([Path(path) for path in profiles], port, units)
+        server = LiveServer([Path(path) for path in profiles], port, units, NOTEBOOKS)
         threading.Thread(target=server.run, daemon=True).start()
         return cls(server)
 
     def close(self) -> None:
         """Stop serving, and remove the dropped files."""
-        self.server.server.should_exit = True
+        self.server.close()
 
     def _repr_html_(self) -> str:
         address = html.escape(self.server.address)
