@@ -96,7 +96,7 @@ def application(engine: LiveEngine, token: str, frames: str = "'none'") -> Starl
 
 
 class _Guard:
-    """Refuses requests of other pages, and tells the browser of each answer what it must not do with it."""
+    """Refuses requests of other pages, and adds security headers to each answer."""
 
     def __init__(self, app: ASGIApp, policy: str) -> None:
         self._app, self._headers = app, {
