@@ -419,6 +419,7 @@ def check_solution(
     inverted, strain, turn = 0, 0.0, 0.0
     for part, field in zip(system.parts, fields, strict=True):
         if isinstance(part.body, Body):
+            warnings += filter(None, [part.body.elasticity.locking])
             cells = _cells(part, part.body, field, errors, warnings)
             inverted, strain, turn = inverted + cells[0], max(strain, cells[1]), max(turn, cells[2])
     # without the tolerance for what bends between nodes

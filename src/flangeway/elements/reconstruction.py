@@ -191,6 +191,10 @@ class Element(ABC):
     def check_cells(self, n_vertices: int) -> None:
         """Raise `InputError` when the element has no form for cells of so many vertices."""
 
+    def locks(self, n_vertices: int) -> bool:
+        """Whether cells of so many vertices become too stiff where their volume is nearly constant."""
+        return self.order == 1 and n_vertices == 3
+
     @abstractmethod
     def reconstruct(self, vertices: Floats) -> Reconstruction:
         """Reconstruct on cells with the same number of vertices.

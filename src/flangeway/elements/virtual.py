@@ -359,6 +359,10 @@ class StabilisationFree(Element):
             low = self.order - 1
             check_integer("StabilisationFree", "degree", self.degree, low, HIGHEST_DEGREE, advice="leave it out")
 
+    def locks(self, n_vertices: int) -> bool:  # noqa: ARG002 (other elements ask for it)
+        """Polygons lock too at order 1: strains of a higher degree constrain the volume at more points."""
+        return self.order == 1
+
     def n_interior(self) -> int:
         """Moments up to degree k - 2, as of `Virtual`."""
         return n_monomials(self.order - 2)

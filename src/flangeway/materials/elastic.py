@@ -92,15 +92,25 @@ class Material(ABC):
         """
         return float(bulk_limited(self.stiffness))
 
+    @property
+    def bulk_ratio(self) -> float:
+        """Bulk over mean shear modulus in the plane, ``1 / (1 - 2 nu)`` of isotropic plane strain."""
+        bulk, mean_shear = _bulk_and_shear(self.stiffness)
+        return float(bulk / mean_shear)
+
 
 def bulk_limited(tensor: Floats) -> Floats:
     """Factor of stabilisations, see `Material.stabilisation_factor`, of tangents (2, 2, 2, 2, ...)."""
-    xx, yy, xy = tensor[0, 0, 0, 0], tensor[1, 1, 1, 1], (tensor[0, 0, 1, 1] + tensor[1, 1, 0, 0]) / 2.0
-    shear = (tensor[0, 1, 0, 1] + tensor[1, 0, 1, 0]) / 2.0
-    bulk = (xx + yy + 2.0 * xy) / 4.0
-    mean_shear = ((xx + yy - 2.0 * xy) / 4.0 + shear) / 2.0
+    bulk, mean_shear = _bulk_and_shear(tensor)
     factor: Floats = (np.minimum(bulk, MAX_BULK * mean_shear) + 2.0 * mean_shear) / (bulk + 2.0 * mean_shear)
     return factor
+
+
+def _bulk_and_shear(tensor: Floats) -> tuple[Floats, Floats]:
+    """Bulk modulus in the plane, and the mean of both shear moduli, of tangents (2, 2, 2, 2, ...)."""
+    xx, yy, xy = tensor[0, 0, 0, 0], tensor[1, 1, 1, 1], (tensor[0, 0, 1, 1] + tensor[1, 1, 0, 0]) / 2.0
+    shear = (tensor[0, 1, 0, 1] + tensor[1, 0, 1, 0]) / 2.0
+    return (xx + yy + 2.0 * xy) / 4.0, ((xx + yy - 2.0 * xy) / 4.0 + shear) / 2.0
 
 
 def check_hypothesis(owner: str, hypothesis: str) -> None:

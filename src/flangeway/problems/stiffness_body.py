@@ -720,7 +720,7 @@ class StiffnessBody(LinearBody):
         """Refuse held rows that are inside of the body and would be a part of its boundary as numbers of nodes."""
         held, n = np.unique(np.asarray(self.held, dtype=np.int64)), len(self.nodes)
         inner = ~self._on_boundary
-        of_rows = np.isin(self._places[:n], held).any(axis=1)
+        of_rows: Any = np.isin(self._places[:n], held).any(axis=1)
         for first in (0, 1):
             nodes = held - first
             if not held.size or nodes.min() < 0 or nodes.max() >= n or np.array_equal(nodes, np.flatnonzero(of_rows)):

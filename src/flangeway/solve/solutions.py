@@ -1,6 +1,6 @@
 """Solutions by one sparse Cholesky factor: plane elasticity, bodies at one wavenumber, torsion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -92,6 +92,7 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     reduced = _reduced(matrix, constraints)
     rhs = constraints.transform.T @ (load - product.at_nodes(constraints.shift)) + applied
     free_values, status = _solved(problem, reduced, constraints, rhs, product)
+    status = replace(status, message="; ".join(filter(None, (status.message, problem.locking))))
     nodal = constraints.transform @ free_values + constraints.shift
     displacements = condensed.recover(nodal, mechanical + thermal)
     spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // 2, 2)

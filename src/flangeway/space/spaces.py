@@ -230,6 +230,15 @@ class Space:
         numbers = self.mesh.n_points + edges[..., None].astype(np.int64) * n_inner + position
         return numbers.astype(np.int32)
 
+    @property
+    def locks(self) -> Bools:
+        """Cells that become too stiff where their volume is nearly constant, (n_cells,); see `Element.locks`."""
+        result, counts = np.zeros(self.mesh.n_cells, dtype=np.bool_), self.mesh.cell_sizes
+        for element, cells in self._regions:
+            for n_vertices in np.unique(counts[cells]):
+                result[cells[counts[cells] == n_vertices]] = element.locks(int(n_vertices))
+        return result
+
     def batches(self) -> Iterator[CellBatch]:
         """Cells in groups of one element and one number of vertices, in a fixed order."""
         mesh = self.mesh

@@ -425,6 +425,8 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
             in_contact, warnings = checked_bodies(contact, model)
             status = _worst([in_contact, status])
             notices += [*_overlaps(contact, self.contacts), *warnings]
+        problems = [body.problem if body.part is None else body.part.body.elasticity for body in model.bodies.values()]
+        notices += filter(None, [problem.locking for problem in problems])
         results = {}
         for name, body in model.bodies.items():
             if body.part is None or contact is None:
