@@ -58,7 +58,7 @@ ENDING = ".toml"
 
 FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file", "pressure_file", "friction_file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
-PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".csv", ".dxf", ".mpt")
+PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".rail", ".wheel", ".csv", ".dxf", ".mpt")
 MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")
 FILE_ENDINGS = (ENDING, ".txt", ".dat", *PROFILE_ENDINGS, *MESH_ENDINGS)
 

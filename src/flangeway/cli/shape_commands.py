@@ -37,8 +37,8 @@ from flangeway.system.file_content import is_file
 # --- ``flangeway geometry``, ``section`` and ``profile``.
 
 
-PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
-PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
+PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".rail", ".wheel", ".dxf", ".slcs", ".slcw")
+PROFILE_FILES = (*PROFILES_ALONE, ".csv", ".txt", ".dat", ".json")  # these endings have tables too
 
 
 def _bundled(flag: str, meaning: str) -> Any:

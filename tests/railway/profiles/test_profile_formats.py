@@ -1,6 +1,7 @@
 """Files of all formats: what is read is what was written, small gaps are closed, bad files are clear errors."""
 
 import functools
+import json
 import math
 import re
 import string
@@ -15,6 +16,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Outline
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof, write_segment_csv, write_simpack
+from flangeway.railway.profiles.formats.two_column import MAX_POINTS
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, profile_text, read_profile
 
@@ -50,7 +52,8 @@ def measured(request, tmp_path_factory):
 @pytest.mark.parametrize("ending", FORMATS)
 def test_what_is_written_is_read_back_to_a_nanometre(measured, ending, tmp_path):
     """Written and read again, points, or ends of lines and arcs, are the same to a nanometre, kind and frame too."""
-    if ending in (".ban", ".prr", ".whl", ".prw") and (ending in (".whl", ".prw")) != (measured.kind == "wheel"):
+    kinds = dict.fromkeys((".ban", ".prr", ".rail"), "rail") | dict.fromkeys((".whl", ".prw", ".wheel"), "wheel")
+    if kinds.get(ending, measured.kind) != measured.kind:
         with pytest.raises(InputError, match=f"for a {measured.kind}"):
             profile_text(measured, ending)
         return
@@ -251,6 +254,106 @@ def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_pa
     found = read_profile(saved(tmp_path, name, re.sub(r"(\d)\.(\d)", r"\1,\2", text)), options)
     np.testing.assert_array_equal(found.points, wanted.points)
     assert found.orientation.tape_mm == wanted.orientation.tape_mm
+
+
+@pytest.mark.parametrize("ending", [".ban", ".prr", ".txt", ".csv", ".rail"])
+@pytest.mark.parametrize("between", [";", " ; ", "\t", "  ", ", ", ";\t"])
+def test_any_separator_goes_with_decimal_commas(ending, between, tmp_path):
+    """Decimal commas beside semicolons, tabs, blanks, and commas with a blank: the numbers of decimal points."""
+    points = points_of("rail", 1.0)
+    rows = lines_of(points, "{:.6f}" + between + "{:.6f}").replace(".", ",")
+    text = {".ban": miniprof([]) + rows, ".prr": f"spline.begin\npoint.begin\n{rows}\npoint.end\nspline.end\n"}
+    path = saved(tmp_path, "p" + ending, text.get(ending, rows) + "\n")
+    found = read_profile(path, ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
+    np.testing.assert_allclose(np.abs(found.points), np.abs(points), atol=6e-7)
+
+
+@pytest.mark.parametrize("ending", [".whl", ".ban", ".prw", ".txt", ".csv", ".dat", ".wheel"])
+@pytest.mark.parametrize("end", [b"\x1a", b"\r\n\x1a\x1a\x1a", b"\n\x1arest of a block 1 2 3\n"])
+def test_files_of_dos_end_at_their_mark(ending, end, tmp_path):
+    """A control-Z ends a file of DOS, whatever its format; comments behind ``#`` are no points."""
+    kind = "rail" if ending == ".ban" else "wheel"
+    points = points_of(kind, 1.0)
+    rows = lines_of(points * [1.0, 1.0 if kind == "rail" else -1.0] + [0.0 if kind == "rail" else 70.0, 0.0])
+    plain = lines_of(points)
+    text = {
+        ".prw": f"spline.begin\npoint.begin\n{rows}\n# a comment = 1\npoint.end\nspline.end\n",
+        ".whl": miniprof([], WheelDiameterTaperline=70.0) + rows.replace("\n", "\n# a comment, 7\n", 3),
+        ".ban": miniprof([]) + rows.replace("\n", "\n# 1 2\n", 3),
+    }
+    path = tmp_path / ("p" + ending)
+    content = text.get(ending, plain.replace("\n", "\n# 1 2\n", 3)).encode() + b"\n"
+    path.write_bytes(content)
+    options = ReadOptions(unit="mm", kind=kind, smooth_mm=0.0)
+    wanted = read_profile(path, options)
+    path.write_bytes(content + end)
+    np.testing.assert_array_equal(read_profile(path, options).points, wanted.points)
+    assert len(wanted.points) == len(points)
+
+
+@pytest.mark.parametrize("ending", [".ban", ".prr", ".txt", ".csv", ".rail"])
+@pytest.mark.parametrize("row", [0, 7])
+@pytest.mark.parametrize("place", [0, 1])
+def test_underscores_are_no_part_of_numbers(ending, row, place, tmp_path):
+    """6_0.0, which Python reads as 60, is refused in every format, in the first row too."""
+    rows = [f"{x:.6f} {y:.6f}".split() for x, y in points_of("rail", 1.0)]
+    rows[row][place] = "6_0.000"
+    body = "\n".join(map(" ".join, rows))
+    text = {".ban": miniprof([]) + body, ".prr": f"spline.begin\npoint.begin\n{body}\npoint.end\nspline.end\n"}
+    with pytest.raises(InputError, match="line"):
+        read_profile(saved(tmp_path, "p" + ending, text.get(ending, body)), ReadOptions(unit="mm", kind="rail"))
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        lambda x, y: {"x": x, "y": y},
+        lambda x, y: {"y": x, "z": y, "title": "a head"},
+        lambda x, y: {"points": list(zip(x, y, strict=True))},
+        lambda x, y: list(zip(x, y, strict=True)),
+        lambda x, y: [x, y],
+    ],
+)
+def test_json_of_two_columns_is_read(kind, shape, tmp_path):
+    """Two lists of coordinates, or a list of points, alone or named in an object, are the points of two columns."""
+    points = points_of(kind, 1.0)
+    data = shape(*points.T.tolist())
+    if isinstance(data, dict):
+        data |= {"unit": "mm", "kind": kind, "up": True}
+    found = read_profile(saved(tmp_path, "p.json", json.dumps(data)), ReadOptions(unit="mm", kind=kind, smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=NANOMETRE)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{", "[[1, 2], [3]]", '{"x": [1], "y": 2}', '{"x": [1, 2, 3, 4], "y": [1, 2]}', '[["1", "2"]]', "7", "[" * 10_000],
+)
+def test_json_of_another_shape_is_refused(text, tmp_path):
+    """What is no JSON, or no pairs of numbers, is refused with the shapes that are read."""
+    with pytest.raises(InputError, match="JSON"):
+        read_profile(saved(tmp_path, "p.json", text))
+
+
+def test_endings_of_rails_and_wheels_give_the_kind(tmp_path):
+    """Two columns in ``.rail`` and ``.wheel`` are a rail and a wheel without another word."""
+    for kind in ("rail", "wheel"):
+        path = saved(tmp_path, f"p.{kind}", lines_of(points_of(kind, 1.0)))
+        assert read_profile(path).kind == kind
+
+
+@pytest.mark.parametrize("ending", [".txt", ".whl", ".prw", ".json"])
+def test_sizes_are_bounded_before_points_are_made(ending, tmp_path):
+    """A hundred thousand points, and lines of megabytes, are refused in a moment."""
+    rows = [(n * 1e-3, 0.0) for n in range(MAX_POINTS + 1)]
+    text = json.dumps(rows) if ending == ".json" else lines_of(rows, "{:.3f} {:.1f}")
+    if ending == ".prw":
+        text = f"spline.begin\npoint.begin\n{text}\npoint.end\nspline.end\n"
+    with pytest.raises(InputError, match=f"{MAX_POINTS + 1} points"):
+        read_profile(saved(tmp_path, "p" + ending, text))
+    if ending != ".json":
+        with pytest.raises(InputError, match="letters"):
+            read_profile(saved(tmp_path, "q" + ending, "1 " * 1_000_000))
 
 
 @pytest.mark.parametrize(("kind", "at"), [("rail", -753.7), ("wheel", 750.0)])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.checks import is_number, refused
+from flangeway.checks import is_number, parsed_number, refused
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.geometry import Contour, FloatArray
@@ -553,7 +553,7 @@ def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str
 def _numbers(origin: str | None) -> tuple[float, float] | None:
     parts = str(origin or "").split(",")
     try:
-        x, y = (float(part) for part in parts)
+        x, y = map(parsed_number, parts)
     except ValueError:
         return None
     if not (abs(x) < 1e6 and abs(y) < 1e6):

@@ -27,7 +27,14 @@ from flangeway.railway.profiles.formats.instrument_files import (
     write_simpack,
 )
 from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
-from flangeway.railway.profiles.formats.two_column import Kind, RawProfile, one_line, read_two_column, write_two_column
+from flangeway.railway.profiles.formats.two_column import (
+    Kind,
+    RawProfile,
+    one_line,
+    read_json,
+    read_two_column,
+    write_two_column,
+)
 from flangeway.railway.profiles.orientation import (
     Orientation,
     ReadOptions,
@@ -268,13 +275,19 @@ FORMATS = {
     ".csv": "CSV",
     ".txt": "two columns",
     ".dat": "two columns",
+    ".rail": "two columns",
+    ".wheel": "two columns",
 }
 """Formats by the ending of the file's name."""
 
-READABLE = (*FORMATS, *SLICES)  # endings of files that are read
+READABLE = (*FORMATS, ".json", *SLICES)  # endings of files that are read
 
-_KINDS_BY_ENDING: dict[str, Kind] = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
-_CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26})
+_KINDS_BY_ENDING: dict[str, Kind] = {
+    **dict.fromkeys((".ban", ".prr", ".rail"), "rail"),
+    **dict.fromkeys((".whl", ".prw", ".wheel"), "wheel"),
+}
+MAX_LINE = 10_000  # letters in a line of a text
+_CONTROL = bytes(set(range(32)) - {9, 10, 12, 13})
 _SPACING_MM = 0.25
 _MAX_HELD = 0.05
 _DEVIATION_MM = 2e-4
@@ -371,7 +384,7 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
             return replace(profile, file=file.name)
         if given.position is not None:
             raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
-        return replace(_profile(_read(content, ending), FORMATS[ending], given, file.stem), file=file.name)
+        return replace(_profile(_read(content, ending), FORMATS.get(ending, "JSON"), given, file.stem), file=file.name)
 
 
 def sections_of(file: Path) -> tuple[float, ...]:
@@ -395,13 +408,21 @@ def _read(content: bytes, ending: str) -> RawProfile:
     if ending == ".dxf":
         return read_dxf_profile(content)
     text = _text(content)
+    if ending == ".json":
+        return read_json(text)
+    line, longest = max(enumerate(map(len, text.splitlines()), 1), key=lambda row: row[1], default=(0, 0))
+    if longest > MAX_LINE:
+        raise InputError(
+            f"line {line} of {longest} letters", f"up to {MAX_LINE}", "check the ending of the file's name"
+        )
     if ending in (".ban", ".whl"):
         return read_miniprof(text, _KINDS_BY_ENDING[ending])
     if ending in (".prr", ".prw"):
         return read_simpack(text, _KINDS_BY_ENDING[ending])
     if ending == ".csv" and is_segment_csv(text):
         return read_segment_csv(text)
-    return read_two_column(text)
+    raw = read_two_column(text)
+    return replace(raw, kind=raw.kind or _KINDS_BY_ENDING.get(ending))
 
 
 def _profile(
@@ -528,7 +549,10 @@ def _placed(contour: Contour, taken: Orientation) -> Contour:
 
 
 def _text(content: bytes) -> str:
-    """Return text in UTF-8, in UTF-16 as of spreadsheets, or in the code of Windows that older instruments write."""
+    """Return text in UTF-8, in UTF-16 as of spreadsheets, or in the code of Windows that older instruments write.
+
+    It ends at a control-Z, as files of DOS do.
+    """
     # each digit has a byte of zero in UTF-16, also in files that do not begin with the mark of its order
     zeros = {"utf-16-be": content[::2].count(0), "utf-16-le": content[1::2].count(0)}
     code = next((name for name, count in zeros.items() if count > len(content) // 4), "")
@@ -536,6 +560,7 @@ def _text(content: bytes) -> str:
         code = "utf-16"
     if code:
         content = content.decode(code, errors="replace").encode()
+    content = content.partition(b"\x1a")[0]
     if any(byte in content for byte in _CONTROL):
         raise InputError("bytes that are no text", "a text file", "check the ending of the file's name")
     try:

@@ -1,6 +1,7 @@
 """What readers of profile files return, and profiles as plain text of two columns."""
 
 import difflib
+import json
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,6 +11,7 @@ from typing import Literal, TypeAlias, cast
 
 import numpy as np
 
+from flangeway.checks import are_finite, parsed_number
 from flangeway.errors import InputError
 from flangeway.formats import UNITS
 from flangeway.geometry import Contour, FloatArray
@@ -26,9 +28,12 @@ RAIL_ORIGINS: tuple[Origin, ...] = ("top", "base", "gauge")
 WHEEL_ORIGINS: tuple[Origin, ...] = ("tape", "flange-back")
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
-_DECIMAL_COMMAS = re.compile(r"\s*[-+]?\d+,\d+(?:[eE][-+]?\d+)?(?:\s+[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?)+\s*")
+_COMMA_NUMBER = r"[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?"
+_DECIMAL_COMMAS = re.compile(rf"\s*{_COMMA_NUMBER}(?:(?:\s*;\s*|,?\s+){_COMMA_NUMBER})+\s*;?\s*")
+_LIKE_A_NUMBER, _UNDERSCORED = re.compile(r"[-+.]?\d"), re.compile(r"\s*[-+]?\d[\d.]*_")
 LEADING_NUMBER = re.compile(rf"\s*({_NUMBER})(?=[\s,;]|$)")
 MAX_COORDINATE = 1e6  # in the file's unit: beyond it no profile was meant
+MAX_POINTS = 50_000  # ten times as many as an instrument writes
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +73,13 @@ class RawProfile:
 def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, Ints]:
     """Return points (n, 2) and their lines (n,) from rows of line, x and y.
 
-    An `InputError` if there is no row, or a number is not finite or absurdly large; the message names the line.
+    An `InputError` if there is no row or more than `MAX_POINTS`, or a number is not finite or absurdly large; the
+    message names the line.
     """
     if not rows:
         raise InputError("a file without points", "one point a line: two numbers", "check that the file is whole")
+    if len(rows) > MAX_POINTS:
+        raise InputError(f"{len(rows)} points", f"up to {MAX_POINTS}", "leave points out")
     for line, *values in rows:
         if not all(abs(value) <= MAX_COORDINATE for value in values):
             raise InputError(
@@ -95,12 +103,14 @@ def text_of(header: Header, key: str) -> str:
 def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[int, list[float]]]]:
     """Return the lines ``key = value`` of a text, and its rows of numbers, each after its number of line.
 
-    An `InputError` if words stand between the rows; words before them are no points.
+    An `InputError` if words stand between the rows, or commas separate numbers with decimal commas; words before them
+    are no points.
 
-    - `lines`: numbers of lines, and lines without comments.
+    - `lines`: numbers of lines, and lines without comments; those that begin with ``#`` are comments too.
     """
     header: Header = {}
     rows: list[tuple[int, list[float]]] = []
+    lines = [(number, words) for number, words in lines if not words.lstrip().startswith("#")]
     for number, words in lines:
         key, equals, value = words.partition("=")
         values = leading_numbers(words)
@@ -108,8 +118,9 @@ def keys_and_rows(lines: Iterable[tuple[int, str]]) -> tuple[Header, list[tuple[
             header[key.strip().lower()] = (number, value.strip().strip("'"))
         elif values:
             rows.append((number, values))
-        elif rows and words.strip():
+        elif words.strip() and (rows or _UNDERSCORED.match(words)):
             raise InputError(f"line {number}: {words.strip()[:60]!r}", "a point", "correct this line")
+    _refuse_commas_twice(dict(lines), rows)
     return header, rows
 
 
@@ -140,14 +151,17 @@ def leading_numbers(line: str) -> list[float]:
 
 
 def with_decimal_points(line: str) -> str:
-    """Return a line of numbers apart by blanks, ``-37,05  0,2``, with points for their decimal commas."""
-    return line.replace(",", ".") if _DECIMAL_COMMAS.fullmatch(line) else line
+    """Return a line of numbers with points for their decimal commas, if other characters separate the numbers.
+
+    These are blanks, ``-37,05  0,2``, semicolons, or commas with a blank behind them, ``-37,05, 0,2``.
+    """
+    return re.sub(r"(?<=\d),(?=\d)", ".", line) if _DECIMAL_COMMAS.fullmatch(line) else line
 
 
 def number_of(text: str, what: str, line: int) -> float:
     """Return a number from the header of a file. An `InputError` if the text is no finite number."""
     try:
-        value = float(text.replace(",", "."))
+        value = parsed_number(text.replace(",", "."))
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
@@ -158,11 +172,12 @@ def number_of(text: str, what: str, line: int) -> float:
 # --- Profiles as plain text of two columns, with the meaning of the numbers in comments.
 #
 # A line is a point: lateral and vertical coordinate, apart by blanks, tabs, commas or semicolons; decimal commas are
-# read where they are not separators as well. Comments start with ``#``, ``!``, ``%`` or ``//``. The comments ``# unit:
-# mm``, ``# kind: rail``, ``# origin: top``, ``# up: yes``, ``# mirror``, ``# tape_mm: 70`` and ``# title: ...`` are
-# read, in small or capital letters, and without the colon before a single word. The first line may name the columns,
-# with their unit: ``x_mm,y_mm`` or ``y [mm]; z [mm]``; of more than two columns those called x and y are taken, else
-# those called y and z or x and z, else the first two after those that count the points or never change.
+# read where other characters, or commas with a blank behind them, separate the numbers. Comments start with ``#``,
+# ``!``, ``%`` or ``//``. The comments ``# unit: mm``, ``# kind: rail``, ``# origin: top``, ``# up: yes``, ``# mirror``,
+# ``# tape_mm: 70`` and ``# title: ...`` are read, in small or capital letters, and without the colon before a single
+# word. The first line may name the columns, with their unit: ``x_mm,y_mm`` or ``y [mm]; z [mm]``; of more than two
+# columns those called x and y are taken, else those called y and z or x and z, else the first two after those that
+# count the points or never change.
 
 
 _COMMENT = re.compile(r"\s*(?:#|!|%|//)(.*)")
@@ -170,6 +185,7 @@ _KEYS = ("unit", "kind", "origin", "up", "mirror", "tape_mm", "title")
 _SWITCH = ("yes", "no", "true", "false")
 _NAMES = (("x", "y"), ("y", "z"), ("x", "z"))
 _ORIGINS = (*RAIL_ORIGINS, *WHEEL_ORIGINS)
+_JSON = 'points [[x, y], ...] or {"x": [...], "y": [...]}'
 
 
 def read_two_column(
@@ -197,7 +213,7 @@ def read_two_column(
         elif line.strip():
             cells = _cells(line, number)
             values = _numbers(cells, len(names))
-            if values is None and not rows:
+            if values is None and not rows and not all(map(_LIKE_A_NUMBER.match, cells)):
                 unit_of_columns = _unit_of_columns(line) or unit_of_columns
                 names, last = cells, (number, line)
             elif values is None:
@@ -206,7 +222,7 @@ def read_two_column(
                 rows.append((number, values))
     if names and not rows:  # every line has words
         raise _wrong_line(*last, allowed)
-    _refuse_commas_twice(text, rows)
+    _refuse_commas_twice(dict(enumerate(text.splitlines(), 1)), rows)
     first, second = columns = _columns_taken(names, names_taken, [values for _, values in rows])
     if len(names) > max(columns):
         unit_of_columns = _unit_of_columns(f"{names[first]},{names[second]}") or unit_of_columns
@@ -221,6 +237,31 @@ def read_two_column(
         notices.append(f"{n_wide} lines have more than two columns; {taken} are taken.")
     unit = header["unit"][1].lower() if "unit" in header else unit_of_columns
     return replace(stated, points=points, lines=lines, unit=unit, notices=tuple(notices))
+
+
+def read_json(text: str) -> RawProfile:
+    """Return the profile in JSON: a list of points, two lists of coordinates, or an object with one of these.
+
+    The object has ``points``, or lists ``x`` and ``y``, ``y`` and ``z``, or ``x`` and ``z``; its texts and numbers are
+    those of the comments of two columns, such as ``"unit": "mm"``. An `InputError` as of `read_two_column`, or if it is
+    no such JSON; it names points in place of lines.
+    """
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as reason:
+        raise InputError(f"no JSON: {str(reason)[:60]}", _JSON, "save the file again") from None
+    stated = data if isinstance(data, dict) else {"points": data}
+    table = stated.get("points")
+    if table is None:
+        table = next(([stated[x], stated[y]] for x, y in _NAMES if x in stated and y in stated), None)
+    if isinstance(table, list) and len(table) == 2 and all(isinstance(row, list) and len(row) > 2 for row in table):
+        table = list(zip(*table, strict=True)) if len(table[0]) == len(table[1]) else None
+    if not (isinstance(table, list) and all(isinstance(row, list | tuple) and are_finite(row, 2) for row in table)):
+        raise InputError("JSON of another shape", _JSON, "save pairs of numbers, or two lists of as many numbers")
+    comments = {key: (0, str(value)) for key, value in stated.items() if isinstance(value, str | bool | int | float)}
+    points, lines = numbered_points([(n, float(x), float(y)) for n, (x, y) in enumerate(table, 1)])
+    unit = comments.get("unit", (0, None))[1]
+    return replace(_stated(comments), points=points, lines=lines, unit=unit and unit.lower())
 
 
 def write_two_column(points: FloatArray, kind: Kind, title: str, tape_mm: float | None = None) -> str:
@@ -281,7 +322,7 @@ def _numbers(cells: list[str], n_names: int = 0) -> list[float] | None:
     values = []
     for column, cell in enumerate(cells):
         try:
-            values.append(float(cell.replace("D", "e").replace("d", "e")) if cell else math.nan)
+            values.append(parsed_number(cell.replace("D", "e").replace("d", "e")) if cell else math.nan)
         except ValueError:
             if column < 2 or len(cells) != n_names:
                 return None
@@ -295,11 +336,13 @@ def _wrong_line(number: int, line: str, allowed: str) -> InputError:
     )
 
 
-def _refuse_commas_twice(text: str, rows: list[tuple[int, list[float]]]) -> None:
-    """Refuse rows, each after its line, whose decimal commas are those between the numbers too."""
-    text_lines = text.splitlines()
-    lines = [text_lines[number - 1] for number, _ in rows]
-    if rows and all(re.fullmatch(r"\s*[-+]?\d+,\d+,\s*[-+]?\d+,\d+\s*", line) for line in lines):
+def _refuse_commas_twice(texts: Mapping[int, str], rows: list[tuple[int, list[float]]]) -> None:
+    """Refuse rows, each after its line, whose decimal commas are those between the numbers too.
+
+    - `texts`: lines by their numbers.
+    """
+    lines = [texts[number] for number, _ in rows]
+    if rows and all(re.fullmatch(r"\s*[-+]?\d+,\d+,[-+]?\d+,\d+\s*", line) for line in lines):
         raise InputError(
             f"line {rows[0][0]}: {lines[0].strip()[:60]!r}, with commas in the numbers and between them",
             "semicolons, tabs or blanks between numbers with decimal commas",
