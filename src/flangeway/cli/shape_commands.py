@@ -189,8 +189,8 @@ def profile(
         typer.Argument(
             metavar="NAME_OR_FILE...",
             help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
-            ".ban, .whl, .prr, .prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and "
-            "picture of all.",
+            ".ban, .whl, .prr, .prw, .rail, .wheel, .csv, .txt, .dat, .json, .dxf, .slcs or .slcw file; "
+            "several: one table and picture of all.",
             autocompletion=completion(profile_names, *PROFILE_FILES),
         ),
     ],
