@@ -374,13 +374,16 @@ def run_geometry(
     first, last = np.flatnonzero(shown)[[0, -1]]
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
+        ends = [
+            geometry.outward_end(sense) if case.roll == "free" else "a running surface ends" for sense in (-1.0, 1.0)
+        ]
         remarks.append(
             sentence(
-                "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} "
-                "and {:.2f mm}: beyond, a flange climbs or a running surface ends",
+                "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} and {:.2f mm}: beyond, {}",
                 case.maximum_lateral_mm,
                 locus.lateral_mm[0],
                 locus.lateral_mm[-1],
+                joined_text("; ", dict.fromkeys(ends)),
             )
         )
     progress("locating contact jumps")

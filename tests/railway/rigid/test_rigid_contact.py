@@ -142,7 +142,7 @@ def test_the_climbing_flange_turns_the_axle_back(heavy_haul):
     """Along the climbing flange the axle's lateral motion has a maximum value; beyond it is refused with that value."""
     path = heavy_haul.located(heavy_haul.path(12.0))
     assert (np.diff(path.lateral_mm[path.rail_level_mm > 0.0]) < 0.0).any()
-    with pytest.raises(InputError, match="climbing flanges"):
+    with pytest.raises(InputError, match="right flange climbs"):
         heavy_haul.locus([0.0, 11.5])
 
 

@@ -21,7 +21,7 @@ from flangeway.railway.rigid.rigid_geometry import (
 )
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetLoad, WheelsetProblem
-from flangeway.results import sentence
+from flangeway.results import joined_text, sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -185,7 +185,7 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad) -> RigidEquil
     position = None if reached is None else positions[reached]
     outcome: RigidPosition | InputError
     if position is None:
-        outcome = _derailment(path, held_ratios(geometry, path), along / onto)
+        outcome = _beyond_reach(geometry, path, along / onto)
     elif not position.carries:
         outcome = _overturning(geometry, position, along / onto)
     else:
@@ -350,14 +350,31 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
     return points
 
 
-def _derailment(path: TouchingPositions, ratios: Floats, load_ratio: float) -> InputError:
+def _beyond_reach(geometry: RigidGeometry, path: TouchingPositions, load_ratio: float) -> InputError:
+    """Why no position holds a load: the flange climbs, or the positions end before it does."""
     side: Side = "right" if load_ratio >= 0.0 else "left"
-    steepest = float(np.tan(np.nanmax(path.side(side).angle[:, 0])))
-    held = float(np.nanmax(SIDE_SIGN[side] * ratios))
+    sign = SIDE_SIGN[side]
+    ratios = sign * held_ratios(geometry, path)
+    held = float(np.nanmax(ratios))
+    steepest = math.degrees(float(np.nanmax(path.side(side).angle[:, 0])))
+    flange = math.degrees(geometry.side(side).flange_angle_rad())
+    rise = path.lift[-1 if sign > 0.0 else 0] - path.lift[np.argmin(np.abs(path.rail_level))]
+    what = f"which is a derailment: the {side} flange climbs its rail"
+    end, advice = "", "lower the lateral force or the speed, or raise the superelevation"
+    if rise <= CLIMBED_MM:
+        what = "which no position holds up to the last one in which both wheels touch inside of their running surfaces"
+        end = joined_text("", ("; beyond, ", geometry.path_end(sign)))
+        advice = "give profiles that reach farther, check gauge_mm and back_to_back_mm, or lower the lateral force"
     return InputError(
-        f"a load of L/V {abs(load_ratio):.3f}, which is a derailment: the {side} flange climbs its rail",
-        f"L/V up to {held:.3f} (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no friction)",
-        "lower the lateral force or the speed, or raise the superelevation",
+        f"a load of L/V {abs(load_ratio):.3f}, {what}",
+        sentence(
+            "L/V up to {:.3f} without friction (contact angle up to {:.1f} deg, flange angle {:.1f} deg){}",
+            held,
+            steepest,
+            flange,
+            end,
+        ),
+        advice,
     )
 
 

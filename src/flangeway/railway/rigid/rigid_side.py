@@ -33,6 +33,7 @@ from flangeway.types import Bools, Floats, Ints, floats
 # back lies inside the wheel.
 
 
+FACE_MM = 40.0  # height of the steep face below an end of a head that overhangs: below the tips of flanges
 UPRIGHT_COSINE = np.finfo(float).eps
 """Cosine of the angle of an upright tangent: its slope stays a number."""
 
@@ -97,6 +98,27 @@ class RigidCurve:
             )
         table = tables[0]
         return cls(table[:, :2] + placement.translation, table[:, 2], table[:, 3], table[:, 4])
+
+    @classmethod
+    def of_head(cls, contour: Contour, placement: Placement) -> Self:
+        """Return the running surface of a rail as `from_contour`, with a face below each of its ends that overhangs.
+
+        There the steel goes on downwards, and a flange touches its edge; where a contour itself ends it does not.
+        """
+        curve = cls.from_contour(contour, placement)
+        ends = placement.points(contour.ends)
+        starts, angles = curve.starts, curve.angles
+        first, last = starts[0], np.array(curve.at(curve.length)[:2])
+        cut = [bool(norms(ends - end).min() > _SAME_POINT_MM * max(norms(ends))) for end in (first, last)]
+        face = FACE_MM * np.array([math.cos(STEEPEST_RAD), math.sin(STEEPEST_RAD)])
+        added = [(first - face, STEEPEST_RAD)] * cut[0], [(last, -STEEPEST_RAD)] * cut[1]
+        before, after = (np.array([[*start, angle] for start, angle in rows]).reshape(-1, 3) for rows in added)
+        return cls(
+            np.vstack((before[:, :2], starts, after[:, :2])),
+            np.concatenate((before[:, 2], angles, after[:, 2])),
+            np.pad(curve.curvatures, (len(before), len(after))),
+            np.pad(curve.lengths, (len(before), len(after)), constant_values=FACE_MM),
+        )
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
@@ -296,6 +318,7 @@ N_TOUCHES = 6  # points of a side that are followed: the touch, and the next sma
 _SPACING_MM = 0.2
 _TABLE_MM = 0.005
 _CHUNK = 128
+_N_FRONT = 2000  # points of a wheel at which the angle of its flange is looked up
 _FIRST_MARGIN_MM = 0.2  # by which a sample may be lower than the highest one and yet touch first
 _SAME_MM = 1e-6
 _ARC_TOLERANCE_MM = 1e-12
@@ -348,7 +371,7 @@ class RigidSide:
         profile = RigidCurve.from_contour(wheel.running_surface, wheel_frame)
         return cls(
             outline_across(profile, yaw_rad),
-            RigidCurve.from_contour(rail.running_surface, rail_frame),
+            RigidCurve.of_head(rail.running_surface, rail_frame),
             wheel_frame,
             rail_frame,
             yaw_rad if side == "right" else -yaw_rad,
@@ -507,6 +530,29 @@ class RigidSide:
         placed = self._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
         over = (placed.x >= self.rail.joints[0]) & (placed.x <= self.rail.joints[-1])
         return arcs[over & (lift - placed.lift < gap_mm)]
+
+    def flange_angle_rad(self) -> float:
+        """Maximum angle of the flange between its tip and the tape line, which is a contact angle without roll."""
+        tip = int(np.argmin(self.wheel.starts[:, 1]))
+        front = np.linspace(self.wheel.offsets[tip], self.wheel.length, _N_FRONT)
+        at = self.wheel.at(front)
+        return float(at.angle[at.x <= self.wheel_frame.translation[0]].max())
+
+    def edge_words(self, side: Side, touches: Touches, number: int) -> str:
+        """What touches at an end of a running surface, in words; empty where the first touch is inside of both.
+
+        - `number`: of a position of `touches`.
+        """
+        if not self.at_edge(touches)[number]:
+            return ""
+        arc, x = touches.wheel_arc[number, 0], touches.x[number, 0]
+        depth = sentence("{:.1f mm} below the top", -touches.y[number, 0])
+        if x <= self.rail.joints[0]:
+            return sentence("the {} flange meets the lower end of the gauge face, {}", side, depth)
+        if x >= self.rail.joints[-1]:
+            return sentence("the {} wheel stands on the field-side end of its rail, {}", side, depth)
+        part = "the back of the flange" if arc < 0.5 * self.wheel.length else "the rim"
+        return f"the {side} rail is under the end of the wheel's running surface, at {part}"
 
     def at_edge(self, touches: Touches) -> Bools:
         """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""
