@@ -4,11 +4,11 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
-from flangeway.checks import are_all, are_finite, refused
+from flangeway.checks import MIN_POSITIVE, are_all, are_finite, check_integer, check_tolerance, refused
 from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
@@ -588,7 +588,8 @@ def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
 # --- Contact of bodies of nonlinear materials: Newton's method around the contact of their linearised bodies.
 
 
-class NonlinearContact(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class NonlinearContact:
     """Bodies of nonlinear materials in contact.
 
     Parameters
@@ -597,8 +598,8 @@ class NonlinearContact(NamedTuple):
         The contact of the linearised bodies.
     displacements
         Of the nonlinear parts, (n_dofs, 2).
-    converged
-        Whether both the last contact and the iteration converged.
+    status
+        How the iteration of the bodies ended; where contacts were not solved, with their message.
     states
         What the nonlinear parts remember, where the next motion starts.
 
@@ -606,8 +607,18 @@ class NonlinearContact(NamedTuple):
 
     contact: ContactSolution
     displacements: dict[Part, Floats]
-    converged: bool
+    status: Status
     states: dict[Part, MaterialState]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the last contact and the iteration of the bodies converged."""
+        return self.status.converged
+
+    @property
+    def nodal_forces(self) -> Floats:
+        """Contact forces on the surface nodes, shape (n_nodes, 2)."""
+        return self.contact.state.nodal_forces
 
 
 def press_nonlinear(
@@ -616,67 +627,141 @@ def press_nonlinear(
     materials: Mapping[Part, MaterialByCells],
     *,
     start: Mapping[Part, MaterialState] | None = None,
+    steps: StepSettings | None = None,
     tolerance: float = 1e-9,
-    max_iterations: int = 20,
+    max_iterations: int = 30,
 ) -> NonlinearContact:
-    """Move parts against each other in one step, some of them of nonlinear materials.
+    """Move parts against each other, some of them of nonlinear materials.
 
-    In each iteration the nonlinear bodies are replaced by their tangents with the forces ``K u - r``, and `press` finds
-    the contact of these linear bodies; at the end it is that of the nonlinear ones.
+    In each iteration the nonlinear bodies are replaced by their tangents with the forces ``K u - r``, and the contact
+    of these linear bodies is found from that of the iteration before; at the end it is that of the nonlinear ones. A
+    tangent need not be definite, since contact may hold what it does not.
 
     Parameters
     ----------
     contacts, motion
-        As of `press`; one motion, from the undeformed bodies. Friction starts at rest.
+        As of `press`; one motion, from the undeformed bodies. Friction starts at rest in each step.
     materials
         Nonlinear material of parts; the others stay elastic.
     start
         The `states` of the motion before; left out, the material has no history.
+    steps
+        Sizes of the steps of the motion; a step that does not converge is halved. Left out: one step.
     tolerance
         Change of the displacements over their maximum that ends the iteration.
     max_iterations
-        Number of contacts that are solved.
+        Number of contacts that are solved in a step.
 
     Raises
     ------
     InputError
-        If a part with a nonlinear material is no meshed body in plane strain, or `press` refuses the contacts.
+        If a part with a nonlinear material is no meshed body in plane strain, or has no contact, the start is not that
+        of the same parts, the motion is a path, or `press` refuses the contacts.
 
     """
-    bodies, states, fields = {}, {}, {}
+    system = ContactSystem(contacts)
+    if not isinstance(motion, Mapping):
+        raise refused("press_nonlinear", "motion", motion, "one motion {part: Placement(...)}", "give one at a time")
+    if not isinstance(materials, Mapping) or not materials:
+        raise refused("press_nonlinear", "materials", materials, "{part: NeoHooke(...)}", "take press without any")
+    if not isinstance(steps, StepSettings | None):
+        raise refused("press_nonlinear", "steps", steps, "StepSettings(...)", "leave it out")
+    check_tolerance("press_nonlinear", tolerance)
+    check_integer("press_nonlinear", "max_iterations", max_iterations, 1, advice="leave it out")
+    _refuse_bad_inputs(system, [motion], {}, {}, ())
+    bodies, states = {}, {}
     for part, material in materials.items():
+        _refuse_without_contact(system, part, "a nonlinear material")
         if not isinstance(part.body, Body):
             raise InputError(f"a nonlinear material of {part.name!r}", "a meshed Body", "make it of mesh and element")
         bodies[part] = NonlinearBody(part.body.elasticity, material)
-        states[part] = bodies[part].start() if start is None else start[part]
-        fields[part] = states[part].displacements
-    converged = False
+        states[part] = bodies[part].start() if start is None else _start_of(part, bodies[part], start)
+
+    def solve_at(fraction: float, reached: NonlinearContact | None) -> NonlinearContact:
+        return _pressed(contacts, motion, fraction, bodies, reached or states, tolerance, max_iterations)
+
+    return follow(solve_at, None, steps or StepSettings(smallest=1.0 / 64.0))
+
+
+def _start_of(part: Part, body: NonlinearBody, start: Mapping[Part, MaterialState]) -> MaterialState:
+    """State of a part where a motion starts."""
+    state, fresh = start.get(part) if isinstance(start, Mapping) else None, body.start()
+    if not isinstance(state, MaterialState) or state.displacements.shape != fresh.displacements.shape:
+        raise refused(
+            "press_nonlinear", "start", start, f"the states of the motion before, with {part.name!r}", "leave it out"
+        )
+    return state
+
+
+def _pressed(
+    contacts: Sequence[Contact],
+    motion: Mapping[Part, Placement],
+    fraction: float,
+    bodies: Mapping[Part, NonlinearBody],
+    reached: NonlinearContact | Mapping[Part, MaterialState],
+    tolerance: float,
+    max_iterations: int,
+) -> NonlinearContact:
+    """Newton's method for nonlinear bodies at a fraction of a motion, from a solution or from states."""
+    before = reached.contact.state if isinstance(reached, NonlinearContact) else None
+    states = dict(reached.states if isinstance(reached, NonlinearContact) else reached)
+    fields = {part: state.displacements for part, state in states.items()}
+    if isinstance(reached, NonlinearContact):
+        fields = reached.displacements
+    history: list[float] = []
     for _ in range(max_iterations):
-        now, loads = {}, {}
+        linear, loads, works = {}, {}, np.zeros(2)
         for part, body in bodies.items():
-            tangents, forces, _ = body.linearised(states[part], fields[part])
+            tangents, forces, of_body = body.linearised(states[part], fields[part])
             settings = {
                 name: getattr(part.body, name) for name in ("name", "mesh", "element", "held", "thickness", "springs")
             }
-            linear = LinearisedBody(material=body.problem.material, **settings, tangents=tangents)
-            now[part] = replace(part, body=linear)
-            offset = linear.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
-            if offset.any():
-                loads[now[part]] = [GivenForces(offset)]
-        moved = [
-            replace(contact, secondary=_on(contact.secondary, now), primary=_on(contact.primary, now))
-            for contact in contacts
-        ]
-        motions = {now.get(part, part): placement for part, placement in motion.items()}
-        solution = press(moved, motions, body_loads=loads, path="sparse")
-        displacements = {part: solution.field(now[part]).displacements for part in bodies}
-        size = max(float(np.abs(displaced).max()) for displaced in displacements.values()) or 1.0
-        change = max(float(np.abs(displacements[part] - fields[part]).max()) for part in bodies) / size
-        fields = displacements
-        if not np.isfinite(change) or (converged := solution.status.converged and change <= tolerance):
+            tangent = LinearisedBody(material=body.problem.material, **settings, tangents=tangents)
+            linear[part] = replace(part, body=tangent)
+            loads[linear[part]] = GivenForces(
+                tangent.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
+            )
+            works += of_body
+        system = ContactSystem(
+            [
+                replace(contact, secondary=_on(contact.secondary, linear), primary=_on(contact.primary, linear))
+                for contact in contacts
+            ]
+        )
+        response, placed = SparseBodies(system.surface_nodes), tuple(part.placement for part in system.parts)
+        motions = {linear.get(part, part): placement for part, placement in motion.items()}
+        placements = _moved(system.parts, placed, motions, fraction)
+        at_parts = dict(zip(system.parts, placements, strict=True))
+        alone = [_handle_of(part, None) for part in system.parts]
+        handles = [None if handle is None else _carried(handle, at_parts, 1.0) for handle in alone]
+        given = [loads_on(part.body, [loads[part]]) if part in loads else None for part in system.parts]
+        origin, loaded = response.reference(placed), response.loaded(given, placements, 1.0)
+        friction = any(contact.friction_coefficient for contact in contacts)
+        state = solve_contact(
+            loaded, system, placements, handles=handles, start=None if friction else before, origin=origin
+        )
+        solution = ContactSolution(system, response, state, (LoadStep(fraction, state),), _penetrations(system, origin))
+        if not state.status.converged:
             break
-    after = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()} if converged else states
-    return NonlinearContact(solution, fields, converged, after)
+        before, displacements = state, {part: solution.field(linear[part]).displacements for part in bodies}
+        size = max(float(np.abs(displaced).max()) for displaced in displacements.values()) or 1.0
+        history.append(max(float(np.abs(displacements[part] - fields[part]).max()) for part in bodies) / size)
+        fields = displacements
+        if not history[-1] > tolerance:
+            break
+    message = f"displacements change by {history[-1]:.1e} of their maximum" if history else "no contact was solved"
+    converged = state.status.converged and bool(history) and history[-1] <= tolerance
+    if converged:
+        solution = solution.checked(list(zip(placed, handles, strict=True)))
+        converged = solution.status.converged
+    if not solution.status.converged:
+        message += f"; the contact is {solution.status.message}"
+    if converged:
+        states = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()}
+    status = Status(converged, message, len(history)).with_stabilisation(
+        float(works[1] / max(works.sum(), MIN_POSITIVE))
+    )
+    return NonlinearContact(solution, fields, status, states)
 
 
 def _on(surface: Surface, now: Mapping[Part, Part]) -> Surface:

@@ -15,7 +15,8 @@ from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
 from flangeway.problems.loads import GivenForces, Load, Pressure, TemperatureChange
-from flangeway.solve.linear import NO_UNKNOWNS, factorise
+from flangeway.problems.nonlinear_body import LinearisedBody
+from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.types import Bools, Floats, Ints
 
 # --- Loads on bodies in contact: what they displace without contact, and their resultants.
@@ -187,7 +188,10 @@ def _shifts(body: Body, displacements: Sequence[PrescribedDisplacement]) -> Floa
 def _solved(body: Body, terms: Floats, shifts: Sequence[Floats | None]) -> tuple[Floats, Floats]:
     """Displacements (n, n_dofs, 2) and sums (n, 4) of terms of forces, with displacements of what is held."""
     free: Bools = body.free
-    factor, product, condensed = factorise(body, NO_UNKNOWNS), body.product, body.condensed
+    # whether the tangent of a nonlinear body is definite is decided with its contact
+    tangent = isinstance(body, LinearisedBody)
+    factor = ldlt(body.stiffness, body.free_nodes) if tangent else factorise(body, NO_UNKNOWNS)
+    product, condensed = body.product, body.condensed
     fields, sums = np.zeros_like(terms), np.zeros((len(terms), 4))
     for number, (forces, shift) in enumerate(zip(terms, shifts, strict=True)):
         load = condensed.condense(forces)
