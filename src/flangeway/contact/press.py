@@ -703,65 +703,83 @@ def _pressed(
     max_iterations: int,
 ) -> NonlinearContact:
     """Newton's method for nonlinear bodies at a fraction of a motion, from a solution or from states."""
-    before = reached.contact.state if isinstance(reached, NonlinearContact) else None
-    states = dict(reached.states if isinstance(reached, NonlinearContact) else reached)
-    fields = {part: state.displacements for part, state in states.items()}
     if isinstance(reached, NonlinearContact):
-        fields = reached.displacements
-    history: list[float] = []
-    for _ in range(max_iterations):
-        linear, loads, works = {}, {}, np.zeros(2)
-        for part, body in bodies.items():
-            tangents, forces, of_body = body.linearised(states[part], fields[part])
-            settings = {
-                name: getattr(part.body, name) for name in ("name", "mesh", "element", "held", "thickness", "springs")
-            }
-            tangent = LinearisedBody(material=body.problem.material, **settings, tangents=tangents)
-            linear[part] = replace(part, body=tangent)
-            loads[linear[part]] = GivenForces(
-                tangent.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
-            )
-            works += of_body
-        system = ContactSystem(
-            [
-                replace(contact, secondary=_on(contact.secondary, linear), primary=_on(contact.primary, linear))
-                for contact in contacts
-            ]
-        )
-        response, placed = SparseBodies(system.surface_nodes), tuple(part.placement for part in system.parts)
-        motions = {linear.get(part, part): placement for part, placement in motion.items()}
-        placements = _moved(system.parts, placed, motions, fraction)
-        at_parts = dict(zip(system.parts, placements, strict=True))
-        alone = [_handle_of(part, None) for part in system.parts]
-        handles = [None if handle is None else _carried(handle, at_parts, 1.0) for handle in alone]
-        given = [loads_on(part.body, [loads[part]]) if part in loads else None for part in system.parts]
-        origin, loaded = response.reference(placed), response.loaded(given, placements, 1.0)
-        friction = any(contact.friction_coefficient for contact in contacts)
-        state = solve_contact(
-            loaded, system, placements, handles=handles, start=None if friction else before, origin=origin
-        )
-        solution = ContactSolution(system, response, state, (LoadStep(fraction, state),), _penetrations(system, origin))
-        if not state.status.converged:
+        states, fields, solution = reached.states, reached.displacements, reached.contact
+    else:
+        states, fields, solution = dict(reached), {part: state.displacements for part, state in reached.items()}, None
+    change, failure, works = np.inf, "", np.zeros(2)
+    for iteration in range(1, max_iterations + 1):  # noqa: B007 (used after the loop)
+        tangents = {part: body.linearised(states[part], fields[part]) for part, body in bodies.items()}
+        works = sum((of_body for _, _, of_body in tangents.values()), np.zeros(2))
+        if turned := [part.name for part, (_, forces, _) in tangents.items() if not np.isfinite(forces).all()]:
+            failure = f"; a point of {turned[0]!r} is turned inside out"
             break
-        before, displacements = state, {part: solution.field(linear[part]).displacements for part in bodies}
-        size = max(float(np.abs(displaced).max()) for displaced in displacements.values()) or 1.0
-        history.append(max(float(np.abs(displacements[part] - fields[part]).max()) for part in bodies) / size)
-        fields = displacements
-        if not history[-1] > tolerance:
+        try:
+            solution, linear = _linear_contact(contacts, motion, fraction, bodies, fields, tangents, solution)
+        except (InputError, ArithmeticError) as error:
+            if solution is None:
+                raise
+            failure = f"; its tangent is singular: {error.args[0]}"
             break
-    message = f"displacements change by {history[-1]:.1e} of their maximum" if history else "no contact was solved"
-    converged = state.status.converged and bool(history) and history[-1] <= tolerance
-    if converged:
-        solution = solution.checked(list(zip(placed, handles, strict=True)))
-        converged = solution.status.converged
-    if not solution.status.converged:
-        message += f"; the contact is {solution.status.message}"
+        if not solution.status.converged:
+            failure = f"; the contact is {solution.status.message}"
+            break
+        after = {part: solution.field(linear[part]).displacements for part in bodies}
+        size = max(float(np.abs(displaced).max()) for displaced in after.values()) or 1.0
+        change = max(float(np.abs(after[part] - fields[part]).max()) for part in bodies) / size
+        fields = after
+        if not change > tolerance:
+            solution = solution.checked([(placement, None) for placement in solution.state.placements])
+            failure = "" if solution.status.converged else f"; the contact is {solution.status.message}"
+            break
+    assert solution is not None
+    converged = change <= tolerance and not failure
     if converged:
         states = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()}
-    status = Status(converged, message, len(history)).with_stabilisation(
-        float(works[1] / max(works.sum(), MIN_POSITIVE))
-    )
+    message = f"displacements change by {change:.1e} of their maximum{failure}"
+    status = Status(converged, message, iteration).with_stabilisation(float(works[1] / max(works.sum(), MIN_POSITIVE)))
     return NonlinearContact(solution, fields, status, states)
+
+
+def _linear_contact(
+    contacts: Sequence[Contact],
+    motion: Mapping[Part, Placement],
+    fraction: float,
+    bodies: Mapping[Part, NonlinearBody],
+    fields: Mapping[Part, Floats],
+    tangents: Mapping[Part, tuple[dict[int, Floats], Floats, Floats]],
+    before: ContactSolution | None,
+) -> tuple[ContactSolution, dict[Part, Part]]:
+    """Contact of the linearised bodies, from that of the iteration before, and the linearised parts."""
+    linear, loads = {}, {}
+    for part, (matrices, forces, _) in tangents.items():
+        names = "name", "mesh", "element", "held", "thickness", "springs"
+        settings = {name: getattr(part.body, name) for name in names}
+        body = LinearisedBody(material=bodies[part].problem.material, **settings, tangents=matrices)
+        linear[part] = replace(part, body=body)
+        offset = body.elasticity.stiffness().times(fields[part].ravel()).reshape(-1, 2) - forces
+        loads[linear[part]] = loads_on(body, [GivenForces(offset)])
+    surfaces = [[_on(surface, linear) for surface in contact.sides] for contact in contacts]
+    system = ContactSystem(
+        [
+            replace(contact, secondary=secondary, primary=primary)
+            for contact, (secondary, primary) in zip(contacts, surfaces, strict=True)
+        ]
+    )
+    response, placed = SparseBodies(system.surface_nodes), tuple(part.placement for part in system.parts)
+    motions = {linear.get(part, part): placement for part, placement in motion.items()}
+    placements = _moved(system.parts, placed, motions, fraction)
+    at_parts = dict(zip(system.parts, placements, strict=True))
+    alone = [_handle_of(part, None) for part in system.parts]
+    handles = [None if handle is None else _carried(handle, at_parts, 1.0) for handle in alone]
+    origin = response.reference(placed)
+    loaded = response.loaded([loads.get(part) for part in system.parts], placements, 1.0)
+    # slip is counted from the undeformed bodies
+    friction = any(contact.friction_coefficient for contact in contacts)
+    start = None if before is None or friction else before.state
+    state = solve_contact(loaded, system, placements, handles=handles, start=start, origin=origin)
+    steps = (LoadStep(fraction, state),)
+    return ContactSolution(system, response, state, steps, _penetrations(system, origin)), linear
 
 
 def _on(surface: Surface, now: Mapping[Part, Part]) -> Surface:
