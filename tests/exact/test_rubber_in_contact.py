@@ -78,7 +78,7 @@ def test_wrong_input_of_press_nonlinear_is_named(words):
 
 
 def test_a_perfectly_plastic_block_pressed_by_a_plate_has_a_status_and_its_limit_pressure():
-    """J2 without hardening at three times the strain at yield: 2 / sqrt(3) of the yield stress on the width, to 0.5 %."""
+    """Without hardening, at three times the strain at yield: 2 / sqrt(3) of the yield stress on its width to 0.5 %."""
     block, upper, contacts = pressed_block(Virtual(1), "quadrilaterals")
     result = press_nonlinear(
         contacts,
