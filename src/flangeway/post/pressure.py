@@ -9,6 +9,7 @@ from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, 
 from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import chain_lengths
+from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.results import Result, ResultTable, sentence
 from flangeway.types import Floats, Ints
 
@@ -162,6 +163,10 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     return patches
 
 
+AXIS_NODES = 5
+"""Nodes from an axis of revolution on within which pressures of linear elements are off by more than a per cent."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactLine:
     """Pressure and gap at the nodes of the secondary surface of a contact that may have a constraint.
@@ -271,11 +276,16 @@ def _patch(
         (along - share @ along)[starts],
         np.add.reduceat(force[:, None] * _directions(pairs)[group], starts),
         total,
-        _pressures(
-            total,
+        _recovered_at_axis(
+            _pressures(
+                total,
+                pairs.areas[first],
+                pairs.whole_areas[first],
+                MIN_AREA_RATIO if isinstance(contact.pairing, NodeToNode) else 0.0,
+            ),
             pairs.areas[first],
-            pairs.whole_areas[first],
-            MIN_AREA_RATIO if isinstance(contact.pairing, NodeToNode) else 0.0,
+            on_secondary[starts, 0],
+            contact,
         ),
         float(_lengths(contact)[nodes[0] : nodes[-1] + 1].sum()),
         share @ on_secondary,
@@ -319,6 +329,29 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float 
         sides = [side for side in (sliver - 1, sliver + 1) if 0 <= side < n]
         label[label == label[sliver]] = label[max(sides, key=lambda side: areas[side])]
     return (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
+
+
+def _recovered_at_axis(pressures: Floats, areas: Floats, radii: Floats, contact: Contact) -> Floats:
+    """Pressures at an axis of revolution: of linear elements, the parabola c0 + c2 r^2 of the same force.
+
+    Linear elements bend a surface of curvature 1/R by shear that is off by about h/R beside the axis, where the areas
+    of nodes are small. So pressures are off by a multiple of h/a: -23 % and +9 % at the first two of eight segments of
+    a sphere's contact. A node on the axis that is off to the other side, as at a cone's peak, stays.
+    """
+    surface = contact.secondary
+    body = surface.part.body
+    inwards = len(radii) > 1 and radii[-1] < radii[0]
+    at = slice(None, -AXIS_NODES - 1, -1) if inwards else slice(0, AXIS_NODES)
+    is_linear = body.axisymmetric and surface.edge_nodes.shape[1] == 2
+    if not is_linear or len(radii) < AXIS_NODES or radii[at][0] > ON_AXIS * body.size:
+        return pressures
+    basis, root = np.vander(radii[at] ** 2 / radii[at].max() ** 2, 2), np.sqrt(areas[at])
+    curvature, middle = np.linalg.lstsq(basis * root[:, None], pressures[at] * root, rcond=None)[0]
+    if (pressures[at][0] - middle) * curvature <= 0.0:
+        return pressures
+    recovered = pressures.copy()
+    recovered[at] = basis @ (curvature, middle)
+    return recovered
 
 
 def _groups(areas: Floats, least: float) -> Ints:
