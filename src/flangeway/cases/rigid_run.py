@@ -38,6 +38,7 @@ from flangeway.railway.rigid.rigid_equilibrium import (
 from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, RigidGeometry
 from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
+from flangeway.railway.wheelset.spatial_result import BESIDE_MM
 from flangeway.results import Result, ResultTable, assigned, joined_text, sentence
 from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -394,6 +395,7 @@ def run_geometry(
     progress("finding the equilibrium under the load")
     equilibrium = rigid_equilibrium(geometry, case.load())
     contacts = _loaded_contacts(equilibrium, case, track, axle)
+    remarks += _of_mirror_image(equilibrium, case, track, axle)
     remarks += [*side_warnings(track), *case.derived(), *profile_notes(track, axle)]
     status, position = equilibrium.status, equilibrium.position
     summary = {
@@ -432,6 +434,30 @@ def run_geometry(
         "peak_memory_MB": peak_memory_bytes() / 1e6,
     }
     return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, contacts, summary)
+
+
+def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset) -> Sequence[str]:
+    """Say of a wheelset that stands beside the middle, though both sides are alike, where else it is in equilibrium."""
+    position = equilibrium.position
+    alike = track.is_symmetric and axle.is_symmetric and not (case.load().in_track[0] or case.yaw_mrad)
+    if position is None or not alike or abs(position.motion.lateral_mm) < BESIDE_MM:
+        return ()
+    others = [other for other in equilibrium.positions if other is not position]
+    listed = joined_text(
+        ", ",
+        (
+            sentence("{:.2f mm}" + f" ({'stable' if other.stable else 'not stable'})", other.motion.lateral_mm + 0.0)
+            for other in others
+        ),
+    )
+    return (
+        sentence(
+            "the wheelset stands {:.2f mm} beside the middle of the track, though both sides are alike; it is also in "
+            "equilibrium at {}",
+            abs(position.motion.lateral_mm),
+            listed,
+        ),
+    )
 
 
 def _loaded_contacts(

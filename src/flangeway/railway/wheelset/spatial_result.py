@@ -1,5 +1,6 @@
 """What engineers ask for of a wheelset in three dimensions: its patches, and the stresses below them."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -41,6 +42,8 @@ RIGID_MM = 1e-6
 """Difference of lateral positions of rigid wheels that is round-off."""
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""
+BESIDE_MM = 1e-2
+"""Distance from the middle of the track below which a wheelset stands in it."""
 NO_ELLIPSE = 0.8
 """Area of a patch relative to that of its equivalent ellipse below which it is none; single patches have 0.95 to
 1.02."""
@@ -280,7 +283,41 @@ def solve_position(
     ]
     rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
     result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
-    return replace(result, warnings=(*warnings, *_of_yielding(result), *_of_rolling(result)))
+    further = (*_of_mirror_image(result), *_of_yielding(result), *_of_rolling(result))
+    return replace(result, warnings=(*warnings, *further))
+
+
+def _of_mirror_image(result: SpatialResult) -> list[str]:
+    """Say of a wheelset that stands beside the middle, though both sides are alike, where else it is in equilibrium.
+
+    Its mirror image and the middle are equilibria by symmetry; whether it leaves the middle is computed beside it.
+    """
+    wheelset, lateral = result.wheelset, result.equilibrium.position.lateral_mm
+    problem, model = wheelset.problem, wheelset.model
+    free = problem.prescribed.lateral_mm is None and problem.prescribed.roll_rad is None
+    if not (result.status.converged and free and wheelset.is_symmetric and abs(lateral) > BESIDE_MM):
+        return []
+    near = 0.1 * lateral
+    prescribed = replace(problem.prescribed, lateral_mm=near)
+    beside = solve_position(wheelset.at(problem.load, prescribed, model.yaw_rad, model.rolling), {})
+    force = math.copysign(1.0, lateral) * sum(float(beside.force_on_wheel_N(side)[0]) for side in SIDES)
+    words = sentence(
+        "the wheelset stands {:.2f mm} beside the middle of the track, though both sides are alike: its mirror image, "
+        "at {:.2f mm}, and the middle are equilibria as well",
+        abs(lateral),
+        -lateral,
+    )
+    if not beside.status.converged:
+        return [words]
+    return [
+        words
+        + sentence(
+            "; at {:.2f mm} from the middle, contact forces push it {} by {:.3g N}",
+            abs(near),
+            "outwards: it leaves the middle" if force > 0.0 else "back: it stays in the middle if it starts there",
+            abs(force),
+        )
+    ]
 
 
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:

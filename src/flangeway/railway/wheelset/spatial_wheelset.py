@@ -221,6 +221,16 @@ class SpatialWheelset:
             equilibrium, status=self._none(equilibrium, None if newton.creep is None else newton.creep.motion)
         )
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether left and right are mirror images of each other: profiles, load and rolling motion."""
+        problem, rolling = self.problem, self.model.rolling
+        straight = rolling is None or not (
+            rolling.curve_radius_m or rolling.yaw_rate_rad_s or rolling.lateral_velocity_m_s
+        )
+        alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
+        return alike and straight and not (problem.load.in_track[0] or self.model.yaw_rad)
+
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the axle is at a position than rigid in the middle of the track, mm."""
         return position.vertical_mm - self._middle_mm
