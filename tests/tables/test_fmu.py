@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 from flangeway.errors import MissingLibraryError
@@ -143,6 +144,33 @@ def test_standstill_has_finite_forces_within_the_cone(slave):
     assert np.isfinite(found).all()
     assert (np.abs(found[[7, 16]]) <= 0.25 * found[[6, 15]] * (1 + 1e-9)).all()
     assert (np.abs(found[[7, 16]]) > 0.8 * 0.25 * found[[6, 15]]).all()
+
+
+def test_at_rest_there_is_no_creep_force(slave):
+    """A wheel that neither moves nor turns has no creep force; towards it the force of rolling falls with the speed."""
+    rest = {"rotation": 0.0, "yaw_rate": 0.0, "lateral_velocity": 0.0}
+    found = slave(speed=0.0, **rest)
+    normal = found[[6, 15]]
+    assert np.abs(found[[7, 8, 16, 17]]).max() < 1e-9 * normal.max()
+    assert np.abs(found[[0, 9]]).max() < 1e-9 * normal.max()
+    assert found[[2, 11]].sum() == pytest.approx(-STATE["load"], rel=1e-3)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_a_token_of_another_model_is_refused(fmus, fmi, tmp_path):
+    """An instance needs the token of the model description (FMI 2.0: guid, FMI 3.0: instantiationToken)."""
+    description, folder = fmpy.read_model_description(fmus[fmi]), fmpy.extract(fmus[fmi], tmp_path / "out")
+    right = description.guid if fmi == "2.0" else description.instantiationToken
+    kind = FMU2Slave if fmi == "2.0" else FMU3Slave
+    for token, accepted in ((right, True), ("{00000000-0000-0000-0000-000000000000}", False), ("", False)):
+        names = {"unzipDirectory": folder, "modelIdentifier": "WheelsetCreepForces", "instanceName": "test"}
+        model = kind(guid=token, **names)
+        if accepted:
+            model.instantiate()
+            model.freeInstance()
+        else:
+            with pytest.raises(Exception, match="nstantiate"):
+                model.instantiate()
 
 
 @pytest.mark.parametrize(

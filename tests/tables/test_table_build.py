@@ -17,7 +17,7 @@ from flangeway.tables import (
     write_table,
 )
 from flangeway.tables.table_build import _Build, _go_over, claimed_error
-from flangeway.tables.table_positions import FRICTION, PositionTask, compute_position
+from flangeway.tables.table_positions import CHECKED_FRICTIONS, FRICTION, PositionTask, compute_position
 from tests.tables.conftest import COARSE
 
 
@@ -49,6 +49,27 @@ def test_the_table_has_the_wheelset_of_each_position(small):
     assert checks["between_positions"]["max"] < checks["claimed_error"]
     assert checks["jumps"] == []
     assert any(each.startswith("creep forces at positions: 1 of 1; 0 s left") for each in sentences)
+
+
+def test_the_error_is_measured_at_frictions_of_their_own(small):
+    """Each position at which the error is measured has another coefficient; the table is within its claim there."""
+    table, frictions = small[0], []
+    assert table.metadata["checks"]["frictions"] == list(CHECKED_FRICTIONS)
+    for lateral in (0.123, 0.341):
+        checked = compute_position(PositionTask(COARSE, (lateral, 0.0, 100.0), "check", 1.0, 2))
+        friction = float(checked["friction"])
+        frictions.append(friction)
+        force = np.hypot(checked["exact"][..., 0], checked["exact"][..., 1]).max(axis=1)
+        # one patch a side: sliding takes most of the friction, and no more
+        assert (force <= friction * checked["normal_force_N"] * (1.0 + 1e-6)).all()
+        assert (force > 0.3 * friction * checked["normal_force_N"]).any()
+        for side in range(2):
+            of_table = table.forces(lateral, 0.0, 100.0, checked["creepages"][side][0], friction=friction)
+            error = of_table[0, side].sum(axis=0)[:2] - checked["exact"][side][0][:2]
+            claimed = table.metadata["checks"]["claimed_error"] * friction * checked["normal_force_N"][side]
+            assert np.hypot(*error) < claimed
+    assert abs(frictions[0] - frictions[1]) > 0.01
+    assert all(CHECKED_FRICTIONS[0] <= friction <= CHECKED_FRICTIONS[1] for friction in frictions)
 
 
 def test_forces_are_exact_at_a_position_and_creepages_of_the_table(small):

@@ -227,11 +227,14 @@ static void evaluate(const Table *t, const double *position, double speed, doubl
             slip[1] = rotation * (axis[2] * arm[0] - axis[0] * arm[2]);
             slip[2] = speed - turning * place[0] + rotation * (axis[0] * arm[1] - axis[1] * arm[0]);
             double sine = sin(p[ANGLE]), cosine = cos(p[ANGLE]), reference = fmax(speed, 1e3 * LEAST_SPEED);
+            /* creepages without a force are those of rolling: they fall with the speed, and are none at rest */
+            double rolls = speed / reference;
             double ahead = slip[2] / reference, across = (-cosine * slip[0] - sine * slip[1]) / reference;
             double spin = (cosine * (rotation * axis[1] + turning) - sine * rotation * axis[0]) / reference;
             /* reduced creepages */
             double limit = friction * p[NORMAL];
-            double u1 = p[STIFF_AHEAD] * (ahead - p[FREE_AHEAD]), u2 = p[STIFF_ACROSS] * (across - p[FREE_ACROSS]);
+            double u1 = p[STIFF_AHEAD] * (ahead - rolls * p[FREE_AHEAD]);
+            double u2 = p[STIFF_ACROSS] * (across - rolls * p[FREE_ACROSS]);
             double u3 = p[STIFF_ACROSS] * p[GYRATION] * spin, plane = hypot(u1, u2), whole = hypot(plane, u3);
             double v = whole / fmax(whole + SATURATED * limit, 1e-300), f[3], total[3] = {0};
             Creep creep = around_creep(t, v, atan2(u3, plane), atan2(u2, u1));
@@ -341,7 +344,8 @@ static void start(Model *m) {
     m->stale = 1;
 }
 
-static Model *instantiate(const char *name, const char *resources, void *environment, void *logger, int fmi3) {
+static Model *instantiate(const char *name, const char *token, const char *resources, void *environment, void *logger,
+                          int fmi3) {
     char path[4096];
     Model *m = calloc(1, sizeof(Model));
     if (!m) return NULL;
@@ -349,6 +353,12 @@ static Model *instantiate(const char *name, const char *resources, void *environ
     m->logger = logger;
     m->fmi3 = fmi3;
     snprintf(m->name, sizeof m->name, "%s", name ? name : "");
+    if (!token || strcmp(token, TOKEN)) {
+        report(m, ERROR, "the token %s is not that of this FMU, %s; give the one in modelDescription.xml",
+               token ? token : "(none)", TOKEN);
+        free(m);
+        return NULL;
+    }
     if (!resources) resources = "";
     if (!strncmp(resources, "file://", 7)) resources += 7;
 #ifdef _WIN32
@@ -410,9 +420,9 @@ EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
                              const Callbacks2 *callbacks, int visible, int logging) {
-    (void)guid; (void)visible; (void)logging;
+    (void)visible; (void)logging;
     if (type != 1) return NULL; /* co-simulation alone */
-    return instantiate(name, resources, callbacks ? callbacks->environment : NULL,
+    return instantiate(name, guid, resources, callbacks ? callbacks->environment : NULL,
                        callbacks ? (void *)callbacks->logger : NULL, 0);
 }
 EXPORT void fmi2FreeInstance(void *m) { release(m); }
@@ -467,9 +477,9 @@ EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
 EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *resources, _Bool visible,
                                          _Bool logging, _Bool events, _Bool early, const unsigned *intermediate,
                                          size_t n, void *environment, void *logger, void *update_intermediate) {
-    (void)token; (void)visible; (void)logging; (void)events; (void)early; (void)intermediate; (void)n;
+    (void)visible; (void)logging; (void)events; (void)early; (void)intermediate; (void)n;
     (void)update_intermediate;
-    return instantiate(name, resources, environment, logger, 1);
+    return instantiate(name, token, resources, environment, logger, 1);
 }
 EXPORT void *fmi3InstantiateModelExchange(void) { return NULL; }
 EXPORT void *fmi3InstantiateScheduledExecution(void) { return NULL; }

@@ -16,7 +16,7 @@ from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here, n_processes
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_table import AXES, FORMAT, OF_PATCH, SIDES, CreepTable
-from flangeway.tables.table_positions import FRICTION, Arrays, PositionTask, compute_position
+from flangeway.tables.table_positions import CHECKED_FRICTIONS, Arrays, PositionTask, compute_position
 from flangeway.types import Floats, Ints, Progress, floats
 
 JUMP_MM = 0.1
@@ -368,6 +368,7 @@ class _Build:
         return {
             "tolerance": self.request.tolerance,
             "claimed_error": claimed,
+            "frictions": list(CHECKED_FRICTIONS),
             "within_tolerance": claimed <= self.request.tolerance,
             "between_creepages": {**_sizes(force), "moment": _sizes(moment)},
             "between_positions": {
@@ -398,7 +399,7 @@ def _go_over(first: Arrays, second: Arrays, side: int) -> bool:
 def _mirrored(numbers: Arrays) -> Arrays:
     """What a position has whose lateral position and yaw are opposite: numbers of patches are in right-hand forms."""
     order = np.argsort(1 - numbers["side"], kind="stable")
-    other = {name: values if name == "axle" else values[order] for name, values in numbers.items()}
+    other = {name: values if name in ("axle", "friction") else values[order] for name, values in numbers.items()}
     other |= {"side": 1 - other["side"], "axle": numbers["axle"] * [1.0, -1.0]}
     if "position_mm" in other:
         other["position_mm"] = other["position_mm"] * [-1.0, 1.0, 1.0]
@@ -408,20 +409,22 @@ def _mirrored(numbers: Arrays) -> Arrays:
 def _differences(table: CreepTable, position: Position, exact: Arrays) -> list[dict[str, Any]]:
     """Errors of the sum of a wheel's creep forces at one position, by side and creepage, over the limit of friction.
 
+    The coefficient of friction is another one at each position.
+
     Patches jump where the table has other ones than the position.
     """
-    contacts, errors = table.contacts(*position), []
+    contacts, errors, friction = table.contacts(*position), [], float(exact["friction"])
     for side, name in enumerate(SIDES):
         of_side, here = exact["side"] == side, contacts["normal_force_N"][0, side]
         normal = float(exact["normal_force_N"][of_side].sum())
         forces = exact["exact"][of_side].sum(axis=0)
         for creepages, force in zip(exact["creepages"][of_side][0], forces, strict=True):
-            error = table.forces(*position, creepages, friction=FRICTION)[0, side].sum(axis=0) - force
+            error = table.forces(*position, creepages, friction=friction)[0, side].sum(axis=0) - force
             errors.append(
                 {
                     "side": name,
                     "jump": bool(of_side.sum() != (here > 0.0).sum()),
-                    "force": float(np.hypot(error[0], error[1])) / (FRICTION * normal),
+                    "force": float(np.hypot(error[0], error[1])) / (friction * normal),
                     "normal_force": float(np.abs(here.sum() - normal)) / normal,
                 }
             )

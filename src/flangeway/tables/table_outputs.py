@@ -93,11 +93,13 @@ def write_fmu(table: CreepTable, fmi: Fmi, path: Path) -> None:
     folder = f"{old}64" if fmi == "2.0" else f"{machine}-{system}"
     ending = {"linux": "so", "darwin": "dylib", "windows": "dll"}.get(system, "so")
     with tempfile.TemporaryDirectory() as folder_name:
-        library = Path(folder_name, f"{NAME}.{ending}")
-        command = [compiler, "-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
-        subprocess.run([*command, "-o", str(library), str(SOURCE), "-lm"], check=True, capture_output=True)
+        library, written = (Path(folder_name, name) for name in (f"{NAME}.{ending}", SOURCE.name))
         numbers, source = table_numbers(table).tobytes(), SOURCE.read_text(encoding="utf-8")
         token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{hashlib.sha256(numbers).hexdigest()} {source}"))
+        source = f'#define TOKEN "{token}" /* of modelDescription.xml */\n{source}'
+        written.write_text(source, encoding="utf-8")
+        command = [compiler, "-std=c11", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
+        subprocess.run([*command, "-o", str(library), str(written), "-lm"], check=True, capture_output=True)
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("modelDescription.xml", model_description(table, fmi, token))
             archive.writestr(f"resources/{TABLE_FILE}", numbers)

@@ -25,7 +25,9 @@ from flangeway.tables.creep_table import FORMAT, OF_PATCH
 from flangeway.types import Floats
 
 FRICTION = 0.3
-"""For which forces are computed; over the limit of friction they are functions of creepages over it."""
+"""For which forces are computed; over the limit of friction they are functions of creepages over it, nearly."""
+CHECKED_FRICTIONS = (0.1, 0.6)
+"""Coefficients between which that of each position is drawn at which the table's error is measured."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -67,7 +69,7 @@ def compute_position(task: PositionTask) -> Arrays:
     """
     parts = task.own_case.model_dump_json(), task.kind, task.tolerance, task.n_points
     near = () if task.near is None else (task.near["side"], task.near["beyond"])
-    parts = *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS, *near
+    parts = *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS, CHECKED_FRICTIONS, *near
     return cached(Cache.of_user(), lambda: _computed(task), "creep-position", FORMAT, *parts)
 
 
@@ -83,15 +85,16 @@ def _computed(task: PositionTask) -> Arrays:
         raise _refused(task, result.status)
     axle = np.append(result.equilibrium.position.axle(result.problem.wheelset), 0.0)
     patches = sorted(result.patches, key=lambda patch: (SIDES.index(patch.side), -patch.rail_point_mm[0]))
-    sampled = [SampledPatch(rolling_contact_of(patch, Friction(FRICTION))) for patch in patches]
+    checks = task.kind == "check"
+    friction = float(_random(task).uniform(*CHECKED_FRICTIONS)) if checks else FRICTION
+    sampled = [SampledPatch(rolling_contact_of(patch, Friction(friction))) for patch in patches]
     rows = [_numbers(patch, forces, axle) for patch, forces in zip(patches, sampled, strict=True)]
     sides, more = np.array([row["side"] for row in rows]), []
     near = task.near if task.near is not None and np.array_equal(task.near["side"], sides) else None
     for number, patch in enumerate(sampled if task.kind != "contact" else ()):
         # the same creepages for the same position and side
-        random = np.random.default_rng([abs(round(1e6 * number)) for number in (*task.position, sides[number])])
-        points = random_points(task.n_points, random)
-        if task.kind == "table":
+        points = random_points(task.n_points, _random(task, sides[number]))
+        if not checks:
             more.append(_sampled(patch, points, task.tolerance, None if near is None else near["beyond"][number]))
         else:
             beside = [sample for sample, side in zip(sampled, sides, strict=True) if side == sides[number]]
@@ -99,7 +102,11 @@ def _computed(task: PositionTask) -> Arrays:
     arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     arrays |= {name: np.array([numbers[name] for numbers in more]) for name in (more[0] if more else ())}
     vertical, roll = result.equilibrium.position.vertical_mm, result.equilibrium.position.roll_rad
-    return {**arrays, "axle": np.array([vertical, roll])}
+    return {**arrays, "axle": np.array([vertical, roll]), "friction": np.array(friction)}
+
+
+def _random(task: PositionTask, *more: float) -> np.random.Generator:
+    return np.random.default_rng([abs(round(1e6 * number)) for number in (*task.position, *more)])
 
 
 def _refused(task: PositionTask, status: Status) -> InputError:

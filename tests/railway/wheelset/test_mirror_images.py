@@ -39,10 +39,10 @@ def test_an_elastic_wheelset_beside_the_middle():
     assert "leaves the middle" in said
 
 
-def test_a_pushed_or_centred_wheelset_has_no_mirror_image():
-    """Under a lateral force, and in the middle, nothing is said."""
-    for inputs in ({**PAIR, "lateral_force_kN": 10.0}, {}):
-        assert not any("mirror image" in warning for warning in coarse_case(**inputs).run().warnings)
+def test_a_pushed_wheelset_has_no_mirror_image():
+    """Under a lateral force nothing is said."""
+    run = coarse_case(**PAIR, lateral_force_kN=10.0).run()
+    assert not any("mirror image" in warning for warning in run.warnings)
 
 
 def test_a_rigid_wheelset_beside_the_middle():
