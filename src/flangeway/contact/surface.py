@@ -150,6 +150,11 @@ class Surface:
         closed = len(chain) > 1 and chain[0] == chain[-1]
         return chain[:-1] if closed else chain
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether the chain ends where it starts."""
+        return bool(self.edge_places[-1, -1] == 0)
+
     @cached_property
     def edge_places(self) -> Ints:
         """Positions in `nodes` of each edge's nodes, shape (n_edges, order + 1)."""
@@ -277,7 +282,7 @@ class Surface:
         ends = points[self.edge_nodes[:, [0, -1]]]
         following = np.roll(np.arange(len(ends)), -1)
         starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH_ANGLE
-        starts_anew[0] |= self.edge_places[-1, -1] != 0
+        starts_anew[0] |= not self.is_closed
         # one new function at each edge's end, one more at its start where the surface starts anew
         last = np.arange(len(ends)) + np.cumsum(starts_anew)
         first = last - 1

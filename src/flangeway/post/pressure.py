@@ -153,12 +153,14 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
         keys = _along(pairs, contact)
         loaded = np.flatnonzero(forces > 0.0)
         loaded = loaded[np.argsort(keys[loaded], kind="stable")]
-        breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
+        groups = np.split(loaded, np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1)
+        n_keys = len(contact.pairing.key_nodes(contact.secondary))
+        if len(groups) > 1 and contact.secondary.is_closed:
+            if keys[loaded[0]] + n_keys - keys[loaded[-1]] <= CONSTRAINTS_APART:
+                groups = [np.append(groups[-1], groups[0]), *groups[1:-1]]
         patches += [
-            _patch(number, contact, pairs, points, forces, group, keys[group])
-            for group in np.split(loaded, breaks)
-            if len(group)
+            _patch(number, contact, pairs, points, forces, group, keys[group]) for group in groups if len(group)
         ]
     return patches
 
@@ -216,12 +218,11 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
                 pairs.nodes[unguarded], minlength=n
             )
         lines = np.column_stack((np.arange(len(nodes)), np.roll(np.arange(len(nodes)), -1)))
-        closed = surface.edge_places[-1, -1] == 0
         of_contacts.append(
             ContactLine(
                 contact,
                 surface.nodes[nodes].astype(np.int64),
-                lines if closed else lines[:-1],
+                lines if surface.is_closed else lines[:-1],
                 state.positions[system.nodes_of(surface)[nodes]],
                 pressures[nodes],
                 gaps[nodes],
@@ -260,18 +261,22 @@ def _patch(
 ) -> PressurePatch:
     """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
     nodes, force = pairs.nodes[group], forces[group]
-    along = chain_lengths(points)[nodes]
     share = force / force.sum()
 
     secondary, primary = contact.sides
+    key_nodes = contact.pairing.key_nodes(secondary)[keys]
+    n, lengths = len(points), chain_lengths(points[np.append(np.arange(len(points)), 0)])
+    numbers = _unwrapped(key_nodes, nodes, n)
+    along = lengths[numbers % n] + lengths[-1] * (numbers // n)
     on_secondary = secondary.part.body.nodes[secondary.nodes[nodes]]
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    faced = np.arange(numbers.min(), min(numbers.max() + 1, numbers.min() + n)) % n
     first, total = group[starts], np.add.reduceat(force, starts)
     return PressurePatch(
         number,
-        contact.pairing.key_nodes(secondary)[keys[starts]],
+        key_nodes[starts],
         points[nodes[starts]],
         (along - share @ along)[starts],
         np.add.reduceat(force[:, None] * _directions(pairs)[group], starts),
@@ -287,10 +292,11 @@ def _patch(
             on_secondary[starts, 0],
             contact,
         ),
-        float(_lengths(contact)[nodes[0] : nodes[-1] + 1].sum()),
+        float(_lengths(contact)[faced].sum()),
         share @ on_secondary,
         share @ on_primary,
-        _reaches_end(nodes, len(points)) or _reaches_end(pairs.primary_edges[touched], len(primary.edges)),
+        (not secondary.is_closed and _reaches_end(nodes, n))
+        or (not primary.is_closed and _reaches_end(pairs.primary_edges[touched], len(primary.edges))),
         1 if isinstance(contact.pairing, SegmentToSegment) else secondary.edge_nodes.shape[1] - 1,
     )
 
@@ -305,10 +311,17 @@ def _lengths(contact: Contact) -> Floats:
     if not body.axisymmetric:
         return contact.node_areas / body.thickness
     lengths, nodes = np.zeros(len(surface.nodes)), np.unique(contact.pairing.key_nodes(surface))
-    apart = np.linalg.norm(np.diff(body.nodes[surface.nodes[nodes]], axis=0), axis=1) / 2.0
-    lengths[nodes[:-1]] += apart
-    lengths[nodes[1:]] += apart
+    starts, ends = (nodes, np.roll(nodes, -1)) if surface.is_closed else (nodes[:-1], nodes[1:])
+    apart = np.linalg.norm(np.subtract(*body.nodes[surface.nodes[np.array([ends, starts])]]), axis=1) / 2.0
+    np.add.at(lengths, starts, apart)
+    np.add.at(lengths, ends, apart)
     return lengths
+
+
+def _unwrapped(key_nodes: Ints, nodes: Ints, n: int) -> Ints:
+    """Numbers (m,) of nodes near those of constraints in order, which go on beyond n where these pass a closed seam."""
+    starts = key_nodes + n * np.cumsum(np.diff(key_nodes, prepend=key_nodes[:1]) < 0)
+    return starts + (nodes - key_nodes + n // 2) % n - n // 2
 
 
 def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float = 0.0) -> Floats:
