@@ -1,9 +1,13 @@
-"""Nodes of either side with a constraint each against the other side, in addition to those of the pairing.
+"""Nodes and points of either side with a constraint each against the other one, in addition to those of the pairing.
 
 A pairing measures the gap at the nodes of one side, or as an average. It misses a corner that lies within the other
 body while the average is open, and a node of the primary side between two nodes of the secondary one. Such nodes are
 found when the pairing's own equations are solved. From then on they are guarded by a constraint as in `NodeToSegment`,
 whichever side the node is on. Its gap is invariant to rigid motions, so the forces on both sides are in equilibrium.
+
+A curved edge may touch between its nodes: its deepest point is guarded as nodes are. It stays where it is on the edge
+while the equations are solved, and is sought again afterwards. Guarded points of a side are numbered as its nodes, and
+after these as its edges, see `Surface.guard_places`.
 """
 
 from collections.abc import Sequence
@@ -11,7 +15,16 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from flangeway.contact.kinematics import closest_parameters, node_edge_gaps
+from flangeway.contact.kinematics import (
+    Taylor,
+    as_vectors,
+    closest_parameters,
+    derivative,
+    edge_series,
+    horner,
+    node_edge_gaps,
+    shape_functions,
+)
 from flangeway.contact.node_to_segment import (
     CONCAVE_SLACK,
     FOOT_SLACK,
@@ -22,8 +35,10 @@ from flangeway.contact.node_to_segment import (
     node_terms,
 )
 from flangeway.contact.pairs import Constraints, Pairs
-from flangeway.contact.search import behind
+from flangeway.contact.search import behind, nearest_edges
 from flangeway.contact.surface import Surface, node_normals
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.geometry.arrays import turned_right
 from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
@@ -37,9 +52,48 @@ END_DISTANCE = 1e-3
 
 JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
 
+POINTS_OF_EDGES = np.linspace(0.0, 1.0, 7)
+"""Points of a curved edge from which the search for its deepest one starts."""
+
+MAX_STEPS, PARAMETER_STEP = 8, 1e-4
+"""Steps of this search, and the difference of parameters for its derivatives."""
+
 Sides = tuple[Surface, Surface]
 Positions = tuple[Floats, Floats]
-Guards = tuple[Bools, Bools]
+Guards = tuple[Floats, Floats]
+"""Of the points of both sides: 1 for guarded nodes, the parameter > 0 of guarded points of edges, 0 for the others."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointPairs(NodePairs):
+    """Points of edges of either side, and edges of the other one that they face: a constraint and a term each.
+
+    Parameters
+    ----------
+    weights
+        Each point by the points of its term, shape (m, w); the first of its slots means nothing.
+
+    """
+
+    weights: Floats
+
+    def _variables(self, chosen: Ints, *, second: bool) -> Taylor:
+        points, slots = self.points[chosen], self.slots[chosen, 1:]
+        faced = Taylor.of_points(points, second=second, slots=slots)
+        point = (Taylor.of_points(points, second=False) * self.weights[chosen]).sum()
+        value = np.concatenate((point.value[:, None], faced.value), axis=1)
+        return Taylor(value, np.concatenate((point.first[..., None], faced.first), axis=2), faced.second)
+
+    def _at_slots(self, points: Floats) -> Floats:
+        on_edges = np.einsum("mw,mwi->mi", self.weights, points)[:, None]
+        return np.concatenate((on_edges, np.take_along_axis(points, self.slots[:, 1:, None], axis=1)), axis=1)
+
+    def opposite_points(self, edges: Floats) -> Floats:
+        """See `Pairs.opposite_points`."""
+        of_primary, n = self.weights[:, -edges.shape[1] :], edges.shape[1]
+        on_faced = shape_functions(n - 1, self.parameters, 0)[0] if len(self.parameters) else np.zeros((0, n))
+        weights = np.where(of_primary.any(axis=1)[:, None], of_primary, on_faced[:, :n])
+        return np.einsum("na,nai->ni", weights, edges[self.primary_edges])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,43 +135,102 @@ def guarded(
     positions
         Current positions of the points of their `Surface.contact_places`, each (n, 2).
     guarded_nodes
-        Which of their nodes are guarded, each (n_nodes,).
+        Which of their points are guarded, each (n_nodes + n_edges,).
     before
         The constraints of the iteration before.
     settle
         See `NodeToSegment.pair`.
 
     """
-    places = surfaces[0].contact_places, surfaces[1].contact_places
-    edges = positions[0][places[0]], positions[1][places[1]]
+    places = surfaces[0].guard_places, surfaces[1].guard_places
+    edges = _edges_at(surfaces, positions)
     first_keys, kept = key_starts(*surfaces), _kept(before, surfaces)
-    taken = np.full(len(surfaces[0].nodes), -1)
+    taken = np.full(len(guarded_nodes[0]), -1)
     if isinstance(base, NodePairs):
         taken[base.nodes] = base.primary_edges
     guards: list[NodePairs] = []
     for side, other in ((0, 1), (1, 0)):
-        nodes, faced = _paired(
-            positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
-        )
-        node_gaps = node_edge_gaps(positions[side][nodes], edges[other][faced])
+        at = _guard_points(surfaces[side], edges[side], guarded_nodes[side])
+        nodes, faced = _paired(at, places[side], edges[other], guarded_nodes[side], kept[side], settle=settle)
+        node_gaps = node_edge_gaps(at[nodes], edges[other][faced])
         new = faced != taken[nodes] if side == 0 else ~_repeated(guards[0], places, nodes, faced, node_gaps.parameters)
-        nodes, faced, gaps, parameters = nodes[new], faced[new], node_gaps.gaps[new], node_gaps.parameters[new]
-        points, slots, secondary_edges, primary_edges = node_terms(places[side], edges, nodes, faced, side)
-        nearest = places[0][faced, np.where(parameters > 0.5, -1, 0)] if side == 1 else nodes
-        areas = surfaces[side].tributary_areas[nodes]
-        keys = first_keys[side] + nodes * len(edges[other]) + faced
-        partners, members = faced + side * len(edges[1]), places[0][secondary_edges]
-        row = np.arange(len(nodes))[:, None]
-        guards.append(
-            NodePairs(
-                keys, partners, nearest, gaps, areas, areas, members, primary_edges, row, points, slots, parameters
-            )
-        )  # fmt: skip
+        nodes, faced, gaps, feet = nodes[new], faced[new], node_gaps.gaps[new], node_gaps.parameters[new]
+        guards.append(_guards(surfaces, edges, side, nodes, faced, gaps, feet, guarded_nodes[side], first_keys[side]))
     parts = (base, *guards)
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in JOINED_FIELDS}
     starts, width = np.cumsum([len(part.keys) for part in parts]), base.rows.shape[1]
     rows = [np.repeat(first + part.rows, width, axis=1) for first, part in zip(starts, guards, strict=False)]
     return GuardedPairs(**joined, rows=np.concatenate((base.rows, *rows)), pairs=parts)
+
+
+def _edges_at(surfaces: Sides, positions: Positions) -> tuple[Floats, Floats]:
+    """Points of the edges of both sides, each (n_edges, order + 1, 2)."""
+    return positions[0][surfaces[0].contact_places], positions[1][surfaces[1].contact_places]
+
+
+def _guards(
+    surfaces: Sides,
+    edges: tuple[Floats, Floats],
+    side: int,
+    nodes: Ints,
+    faced: Ints,
+    gaps: Floats,
+    feet: Floats,
+    guarded_nodes: Floats,
+    first_key: int,
+) -> NodePairs:
+    """Constraints of guarded points of a side against edges of the other one, on which they have feet; each (m,)."""
+    surface, n = surfaces[side], len(surfaces[side].nodes)
+    points, slots, secondary_edges, primary_edges = node_terms(surface.guard_places, edges, nodes, faced, side)
+    owners, widths = (secondary_edges, primary_edges)[side], [side_edges.shape[1] for side_edges in edges]
+    places = surface.edge_places[owners]
+    column = (places == nodes[:, None]).argmax(axis=1)
+    at_nodes = gauss_lobatto(places.shape[1])[0]
+    own = np.where(nodes < n, at_nodes[column], guarded_nodes[nodes])
+    weights = np.zeros((len(nodes), sum(widths)))
+    weights[:, side * widths[0] : side * widths[0] + widths[side]] = shape_functions(widths[side] - 1, own, 0)[0]
+    ends = places[:, [0, -1]]
+    owned = np.where(nodes < n, nodes, ends[np.arange(len(nodes)), (own > 0.5).astype(np.int64)])
+    nearest = owned if side == 0 else surfaces[0].edge_places[faced, np.where(feet > 0.5, -1, 0)]
+    areas = surface.tributary_areas[owned]
+    keys, partners = first_key + nodes * len(edges[1 - side]) + faced, faced + side * len(edges[1])
+    members, row = surfaces[0].contact_places[secondary_edges], np.arange(len(nodes))[:, None]
+    return PointPairs(
+        keys, partners, nearest, gaps, areas, areas, members, primary_edges, row, points, slots, feet, weights
+    )
+
+
+def _guard_points(surface: Surface, edges: Floats, guarded_nodes: Floats) -> Floats:
+    """Points of `Surface.guard_places`: nodes, then a point of each of the edges (n_edges, order + 1, 2)."""
+    n, width = len(surface.nodes), surface.edge_places.shape[1]
+    at_nodes, at_points = np.zeros((n, 2)), shape_functions(edges.shape[1] - 1, guarded_nodes[n:], 0)[0]
+    columns = np.rint(np.linspace(0, edges.shape[1] - 1, width)).astype(np.int64)
+    at_nodes[surface.edge_places] = edges[:, columns]
+    return np.concatenate((at_nodes, np.einsum("ea,eai->ei", at_points, edges)))
+
+
+def _deepest(edges: Floats, other: Floats) -> Floats:
+    """Parameters of the deepest points of curved edges (m, order + 1, 2) behind other ones, shape (m,)."""
+    xi = np.tile(POINTS_OF_EDGES, (len(edges), 1))
+    series = edge_series(edges)
+    columns = [coefficient[:, None] for coefficient in series]
+    at, slope = (as_vectors(horner(of, xi)).reshape(-1, 2) for of in (columns, derivative(columns)))
+    faced = nearest_edges(at, turned_right(slope), other)
+    gaps = np.where(faced >= 0, node_edge_gaps(at, other[faced]).gaps, np.inf).reshape(xi.shape)
+    rows, first = np.arange(len(edges)), gaps.argmin(axis=1)
+    faced, xi = faced.reshape(xi.shape)[rows, first], xi[rows, first]
+
+    def rates(xi: Floats) -> Floats:
+        """Derivatives of the gaps by the parameters: at the deepest point the tangents are parallel."""
+        normals = node_edge_gaps(as_vectors(horner(series, xi)), other[faced]).normals
+        return np.asarray((normals * as_vectors(horner(derivative(series), xi))).sum(axis=1))
+
+    for _ in range(MAX_STEPS):
+        rate = rates(xi)
+        bend = (rates(xi + PARAMETER_STEP) - rate) / PARAMETER_STEP
+        step = np.where(bend > 0.0, -rate / np.where(bend > 0.0, bend, 1.0), 0.0)
+        xi = np.clip(xi + np.clip(step, -0.25, 0.25), 0.0, 1.0)
+    return xi
 
 
 def _repeated(
@@ -144,12 +257,12 @@ def _end_at(contact_nodes: Ints, edges: Ints, parameters: Floats) -> Ints:
 
 def corners_under_force(pairs: Constraints, surfaces: Sides, forces: Floats) -> Guards:
     """Which nodes of either side are sharp corners whose guards carry a force, each (n_nodes,)."""
-    under_force = [np.zeros(len(surface.nodes), dtype=np.bool_) for surface in surfaces]
+    under_force = list(unguarded(surfaces))
     if isinstance(pairs, GuardedPairs):
         ends, firsts = np.cumsum([len(part.keys) for part in pairs.parts]), key_starts(*surfaces)
         for side, (part, part_forces) in enumerate(zip(pairs.parts[1:], np.split(forces, ends[:-1])[1:], strict=True)):
             under_force[side][(part.keys[part_forces > 0.0] - firsts[side]) // len(surfaces[1 - side].edges)] = True
-            under_force[side] &= _sharp(surfaces[side])
+            under_force[side] *= _sharp(surfaces[side])
     return under_force[0], under_force[1]
 
 
@@ -159,13 +272,23 @@ def key_starts(secondary: Surface, primary: Surface) -> tuple[int, int, int]:
     A guarded node and the edge that it faces have the key ``first + node * n_edges + edge``.
     """
     first = len(secondary.hats.nodes) + len(secondary.nodes)
-    other = first + len(secondary.nodes) * len(primary.edges)
-    return first, other, other + len(primary.nodes) * len(secondary.edges)
+    other = first + _n_points(secondary) * len(primary.edges)
+    return first, other, other + _n_points(primary) * len(secondary.edges)
+
+
+def _n_points(surface: Surface) -> int:
+    """Number of the points of a surface that may be guarded."""
+    return len(surface.nodes) + len(surface.edges)
+
+
+def unguarded(surfaces: Sides) -> Guards:
+    """No point of two surfaces."""
+    return np.zeros(_n_points(surfaces[0])), np.zeros(_n_points(surfaces[1]))
 
 
 def _kept(before: Constraints | None, surfaces: Sides) -> tuple[Ints, Ints]:
     """Edge that each node of either side was guarded against first; -1 for none."""
-    kept = tuple(np.full(len(surface.nodes), -1, dtype=np.int64) for surface in surfaces)
+    kept = tuple(np.full(_n_points(surface), -1, dtype=np.int64) for surface in surfaces)
     if isinstance(before, GuardedPairs):
         firsts = key_starts(*surfaces)
         for side, part in enumerate(before.parts[1:]):
@@ -175,7 +298,7 @@ def _kept(before: Constraints | None, surfaces: Sides) -> tuple[Ints, Ints]:
 
 
 def _paired(
-    positions: Floats, edge_places: Ints, edges: Floats, guarded_nodes: Bools, kept: Ints, *, settle: bool
+    positions: Floats, edge_places: Ints, edges: Floats, guarded_nodes: Floats, kept: Ints, *, settle: bool
 ) -> tuple[Ints, Ints]:
     """Guarded nodes that face an edge of the other side, and those edges.
 
@@ -198,11 +321,13 @@ def _paired(
     return nodes, partners
 
 
-def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float, bent: float) -> Guards:
+def penetrating(
+    surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float, bent: float, *, follow: bool
+) -> Guards:
     """Further nodes of two surfaces that lie behind the other one by more than curves and the law of contact explain.
 
     If sharp corners are among them, only these: they define the direction in which the other body moves, which may
-    free the other nodes.
+    free the other nodes. Otherwise, if deepest points of curved edges are among them, only these, for the same reason.
 
     Parameters
     ----------
@@ -211,47 +336,70 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     positions
         Current positions of the points of their `Surface.contact_places`, each (n, 2).
     guarded_nodes
-        Which of their nodes are guarded already, each (n_nodes,).
+        Which of their points are guarded already, each (n_nodes + n_edges,).
     explained
         Penetration that the law of contact explains.
     bent
         Maximum depth that the deformation of edges explains on each side.
+    follow
+        Whether edges may follow their curves all along; else, as with friction, whose slip is that of nodes, they are
+        chords between these.
 
     Returns
     -------
-    tuple of Bools
-        For the nodes of either surface, each (n,).
+    tuple of Floats
+        For the points of either surface, each (n_nodes + n_edges,); points of edges may have another parameter now.
 
     """
-    edges = [at[surface.contact_places] for surface, at in zip(surfaces, positions, strict=True)]
+    edges = _edges_at(surfaces, positions)
     depth = min(float(np.linalg.norm(np.ptp(edge_points, axis=(0, 1)))) for edge_points in edges) / 2.0
     counts = [len(surface.nodes) for surface in surfaces]
-    through = [np.zeros(count, dtype=np.bool_) for count in counts]
-    near = [behind(at[:n], other) for at, n, other in zip(positions, counts, edges[::-1], strict=True)]
+    through = list(unguarded(surfaces))
+    points = [np.concatenate((positions[side][: counts[side]], edges[side].mean(axis=1))) for side in (0, 1)]
+    near = [behind(at, other) for at, other in zip(points, edges[::-1], strict=True)]
+    for side, surface in enumerate(surfaces):
+        near[side][counts[side] :] &= surface.is_curved & follow
     if not (near[0].any() or near[1].any()):
         return through[0], through[1]
-    sagittas = [surface.sagittas(edge_points, bent) for surface, edge_points in zip(surfaces, edges, strict=True)]
+    sagittas = [
+        surface.sagittas(edge_points, bent, surface.follows_curve & follow)
+        for surface, edge_points in zip(surfaces, edges, strict=True)
+    ]
     for side, other in ((0, 1), (1, 0)):
-        at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
-        given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
-        secondary_depths = np.full(counts[side], np.inf)
+        places, parameters = surfaces[side].guard_places, np.ones(len(points[side]))
+        at_edges = parameters[counts[side] :]
+        chosen = near[side][counts[side] :]
+        at_edges[chosen] = _deepest(edges[side][chosen], edges[other])
+        at = _guard_points(surfaces[side], edges[side], parameters)
+        # at the ends of edges nodes have the constraint, and the deepest point may be the guarded one
+        near[side][counts[side] :] &= np.abs(at_edges - 0.5) < 0.5 - END_DISTANCE
+        near[side] &= np.abs(parameters - guarded_nodes[side]) > END_DISTANCE
+        none, normals = np.full(len(at), -1), node_normals(at, places, bisecting=True)
+        given = at, places, edges[other], np.flatnonzero(near[side]), normals, none
+        secondary_depths = np.full(len(at), np.inf)
         for column in places.T:
             np.minimum.at(secondary_depths, column, sagittas[side])
 
+        # the deepest point of an edge that is guarded elsewhere already is wanted exactly
+        secondary_depths[guarded_nodes[side] > 0.0] = -np.inf
+
         def allowed(nodes: Ints, partners: Ints, depths: Floats = secondary_depths, other: int = other) -> Floats:
-            return GUARDED_DEPTH * (depths[nodes] + sagittas[other][partners]) + explained
+            return GUARDED_DEPTH * np.maximum(depths[nodes] + sagittas[other][partners], 0.0) + explained
 
         margins = guarded_margins(edges[other])
-        nodes, _, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)
-        through[side][nodes[gaps.gaps > -depth]] = True
-    through = [of_side & ~before for of_side, before in zip(through, guarded_nodes, strict=True)]
-    sharp = through[0] & _sharp(surfaces[0]), through[1] & _sharp(surfaces[1])
-    return sharp if sharp[0].any() or sharp[1].any() else (through[0], through[1])
+        nodes, faced, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)
+        again = (nodes >= counts[side]) & surfaces[other].is_curved[faced] if side == 1 else nodes < 0
+        deep = nodes[(gaps.gaps > -depth) & ~again]
+        through[side][deep] = parameters[deep]
+    sharp = [guards * _sharp(surface) for guards, surface in zip(through, surfaces, strict=True)]
+    deepest = [guards * (np.arange(len(guards)) >= count) for guards, count in zip(through, counts, strict=True)]
+    first = next((masks for masks in (sharp, deepest) if masks[0].any() or masks[1].any()), through)
+    return first[0], first[1]
 
 
 def _sharp(surface: Surface) -> Bools:
     """Which nodes of a surface are at sharp convex corners of its body, shape (n,)."""
-    result = np.zeros(len(surface.nodes), dtype=np.bool_)
+    result = np.zeros(_n_points(surface), dtype=np.bool_)
     result[surface.edge_places[surface.corners, -1]] = True
     return result
 

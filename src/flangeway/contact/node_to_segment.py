@@ -75,10 +75,13 @@ class NodePairs(Pairs):
     def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pairs know where they are)
         """See `Pairs.slides`."""
         now = self._variables(np.arange(len(self.points)), second=False)
-        was = np.take_along_axis(before, self.slots[..., None], axis=1)
-        slips, directions = node_edge_slips(now, self.parameters, was)
+        slips, directions = node_edge_slips(now, self.parameters, self._at_slots(before))
         at_points = (len(directions), 1, *self.points.shape[1:])
         return Slides(slips.value, slips.first.T.reshape(at_points), directions.reshape(at_points), self._turns)
+
+    def _at_slots(self, points: Floats) -> Floats:
+        """The node and the edge's nodes among points (m, w, 2) of each term, shape (m, order + 2, 2)."""
+        return np.take_along_axis(points, self.slots[..., None], axis=1)
 
     def _turns(self, forces: Floats) -> tuple[Ints, Floats]:
         loaded = np.flatnonzero(forces)

@@ -8,13 +8,20 @@ from functools import cached_property, reduce
 import numpy as np
 import shapely
 
-from flangeway.contact.kinematics import shape_functions
+from flangeway.contact.force_errors import (
+    MAX_FORCE_ERROR,
+    SMALL_FORCE_ERROR,
+    force_errors,
+    hidden_overlap,
+)
+from flangeway.contact.kinematics import as_complex, as_vectors, shape_functions
 from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
-from flangeway.contact.surface import CORNER_ANGLE, sagittas_of
+from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
+from flangeway.mesh.connectivity import edge_places
 from flangeway.problems import Body, Part
 from flangeway.solve import BodyResponse, Checks, Handle
 from flangeway.space.symmetric import EPS
@@ -70,27 +77,41 @@ class Boundary:
     sagittas: Floats
 
     @classmethod
-    def of_part(cls, part: Part, positions: Floats, chord_turn: float = CORNER_ANGLE) -> "Boundary":
-        """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments."""
+    def of_part(
+        cls, part: Part, positions: Floats, surfaces: Sequence[Surface] = (), chord_turn: float = CORNER_ANGLE
+    ) -> "Boundary":
+        """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments.
+
+        Edges of surfaces follow their drawn curves.
+        """
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
         if part.placement.mirrored:
             edges, nodes = edges[:, ::-1], nodes[:, ::-1]
-        drawn, deformed = part.placement.points(part.body.nodes)[edges], positions[nodes]
+        drawn, points = part.placement.points(part.body.nodes)[edges], positions[nodes]
         order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
-        sagittas = sagittas_of(
-            drawn, drawn, joints, 0.0, chord_turn
-        )  # what bodies bend is no curve: straight edges have 0
+        exact, bends = np.zeros(len(edges), dtype=np.bool_), np.zeros(len(edges), dtype=np.complex128)
+        for surface in surfaces:
+            rows = edge_places(surface.edge_nodes[:, [0, -1]], edges, len(part.body.nodes))[0]
+            exact[rows] |= surface.follows_curve
+            if surface.bends is not None:
+                bends[rows] = surface.bends.conj() if part.placement.mirrored else surface.bends
+        # what bodies bend is no curve: straight edges have 0
+        sagittas = sagittas_of(drawn, drawn, joints, 0.0, chord_turn, exact)
         at_ends = np.zeros(len(part.body.nodes))
         np.maximum.at(at_ends, edges, sagittas[:, None])
         # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has
-        sagittas = at_ends[edges].max(axis=1)
+        sagittas = np.where(exact, 0.0, at_ends[edges].max(axis=1))
+        if order == 1 and not bends.any():
+            return cls(points, sagittas)
         if order == 1:
-            return cls(deformed, sagittas)
-        parts = 4 * (order // 2 + 1)
+            start, end = as_complex(points).T
+            points = np.insert(points, 1, as_vectors((start + end) / 2.0 + bends * (end - start)), axis=1)
+        parts = 4 * (points.shape[1] // 2 + 1)
         # points_eti = sum_a N_a(t) x_eai
-        points = np.einsum("ta,eai->eti", shape_functions(order, np.linspace(0.0, 1.0, parts + 1), 0)[0], deformed)
-        segments = np.stack((points[:, :-1], points[:, 1:]), axis=2).reshape(-1, 2, 2)
+        shapes = shape_functions(points.shape[1] - 1, np.linspace(0.0, 1.0, parts + 1), 0)[0]
+        along = np.einsum("ta,eai->eti", shapes, points)
+        segments = np.stack((along[:, :-1], along[:, 1:]), axis=2).reshape(-1, 2, 2)
         return cls(segments, np.repeat(sagittas, parts))
 
     @cached_property
@@ -216,8 +237,10 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        surfaces = (side for contact in system.contacts for side in contact.sides if side.part is part)
-        boundaries.append(Boundary.of_part(part, at, max(surface.chord_turn for surface in surfaces)))
+        sides = [(contact, side) for contact in system.contacts for side in contact.sides if side.part is part]
+        # with friction nodes alone are guarded, see `penetrating`
+        followed = [side for contact, side in sides if contact.friction_coefficient == 0.0]
+        boundaries.append(Boundary.of_part(part, at, followed, max(side.chord_turn for _, side in sides)))
     return boundaries
 
 
@@ -431,8 +454,44 @@ def check_solution(
             f"{' and '.join(deepest.parts)} overlap by {overlap:.2g} at {point_text(deepest.position)}, "
             f"{100.0 * overlap / moved:.2g} % of the maximum displacement, between nodes: take a finer mesh there"
         )
-    measured = force, moment, gap, slide, overlap, inverted, strain, turn
+    force_error = _force_errors(system, response, state, errors, warnings)
+    measured = force, moment, gap, slide, overlap, inverted, strain, turn, force_error
     return Checks(*measured, tuple(errors), tuple(warnings))
+
+
+def _force_errors(
+    system: ContactSystem, response: BodyResponse, state: ContactState, errors: list[str], warnings: list[str]
+) -> float:
+    """Maximum error of a region's force by the law of contact and by the mesh, see `ForceError`."""
+    regions = force_errors(system, response, state)
+    for number, contact in enumerate(system.contacts):
+        name = f"the contact of {contact.secondary.part.name} on {contact.primary.part.name}"
+        of_contact = [region for region in regions if region.contact == number]
+        if not of_contact:
+            overlap = hidden_overlap(system, state, number)
+            if overlap > ROUND_OFF * max(part.body.size for part in contact.parts):
+                errors.append(
+                    f"nothing touches in {name}, though the curves whose chords are its surfaces overlap by "
+                    f"{overlap:.2g}: give its surfaces their drawn curves (curved), or take smaller elements there"
+                )
+            continue
+        if (worst := max(of_contact, key=lambda region: region.by_law)).by_law > SMALL_FORCE_ERROR:
+            (errors if worst.by_law > MAX_FORCE_ERROR else warnings).append(
+                f"the penetration of {name}, {worst.penetration:.2g}, makes its force {100.0 * worst.by_law:.2g} % too "
+                "small, or its approach as much too large: raise the penalty"
+                if worst.penetration > worst.gap
+                else f"surfaces of {name} are {worst.gap:.2g} apart under pressure, which makes its force "
+                f"{100.0 * worst.by_law:.2g} % too large, or its approach as much too small: take a smaller barrier"
+            )
+        if (worst := max(of_contact, key=lambda region: region.by_mesh)).by_mesh > SMALL_FORCE_ERROR:
+            advice = f"take elements of at most {worst.size:.2g} there"
+            if worst.chords > worst.between_nodes + worst.spread:
+                advice = f"its surfaces are chords of curves: give them their drawn curves (curved), or {advice}"
+            (errors if worst.by_mesh > MAX_FORCE_ERROR else warnings).append(
+                f"the force of {name}, or its approach under a prescribed force, may be off by "
+                f"{100.0 * worst.by_mesh:.2g} %, as its mesh is too coarse; {advice}"
+            )
+    return max((max(region.by_law, region.by_mesh) for region in regions), default=0.0)
 
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:

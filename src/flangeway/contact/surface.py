@@ -209,6 +209,14 @@ class Surface:
         return np.insert(self.edge_places, 1, middles, axis=1)
 
     @cached_property
+    def guard_places(self) -> Ints:
+        """Points of each edge that may be guarded, shape (n_edges, order + 2).
+
+        They are numbered as positions in `nodes`, and after these one point of each edge, wherever it is on the edge.
+        """
+        return np.insert(self.edge_places, 1, len(self.nodes) + np.arange(len(self.edge_places)), axis=1)
+
+    @cached_property
     def undeformed_edges(self) -> Floats:
         """Points of `contact_places` of each edge of the mesh in the body's frame, shape (n_edges, order + 1, 2)."""
         edges: Floats = self.part.body.nodes[self.edge_nodes]
@@ -217,15 +225,36 @@ class Surface:
         start, end = as_complex(edges).T
         return as_vectors(np.stack((start, (start + end) / 2.0 + self.bends * (end - start), end), axis=1))
 
+    @cached_property
+    def points(self) -> Floats:
+        """Points of `contact_places` of the undeformed surface in the body's frame, on its curve, shape (n, 2)."""
+        at_nodes: Floats = self.part.body.nodes[self.nodes] + self.shifts
+        if self.bends is None:
+            return at_nodes
+        start, end = as_complex(at_nodes[self.edge_places]).T
+        return np.concatenate((at_nodes, as_vectors((start + end) / 2.0 + self.bends * (end - start))))
+
+    @cached_property
+    def follows_curve(self) -> Bools:
+        """Which edges are on the drawn curve all along, or are curved in the mesh: they are no chords, (n_edges,)."""
+        if self.bends is not None or (self.curve is not None and not self.nodes_only):
+            return np.ones(len(self.edge_nodes), dtype=np.bool_)
+        return self.is_curved
+
+    @cached_property
+    def is_curved(self) -> Bools:
+        """Which edges have inner points beside their chords, shape (n_edges,)."""
+        heights = np.abs(heights_of(self.points[self.contact_places])).max(axis=1, initial=0.0)
+        return np.asarray(heights > MAX_STRAIGHT_DISTANCE * self.edge_lengths)
+
     @property
     def facet_depth(self) -> Floats:
         """Distance of each edge from the smooth curve that it seems to belong to, shape (n_edges,).
 
-        See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a drawn curve, or that
-        are curved in the mesh.
+        See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a curve.
         """
         depth = np.zeros(len(self.edge_nodes))
-        if self.bends is not None or (self.curve is not None and self.edge_nodes.shape[1] > 2):
+        if self.follows_curve.all():
             return depth
         ends = as_complex(self.part.body.nodes[self.edge_nodes[:, [0, -1]]])
         chords = ends[:, 1] - ends[:, 0]
@@ -243,8 +272,7 @@ class Surface:
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
         depth[:] = chord_depths(lengths, before, after, ROUGH_ANGLE)[line]
-        across = (as_complex(self.part.body.nodes[self.edge_nodes]) - ends[:, :1]) / chords[:, None]
-        depth[np.abs(across.imag).max(axis=1) > MAX_STRAIGHT_DISTANCE] = 0.0
+        depth[self.follows_curve] = 0.0
         return depth
 
     def _to_curve(self, points: Floats) -> Floats:
@@ -314,11 +342,11 @@ class Surface:
         is_drawn = self.curve is not None or (isinstance(body, Body) and body.mesh.curves is not None)
         return CORNER_ANGLE if is_drawn else CHORD_ANGLE
 
-    def sagittas(self, edges: Floats, bent: float) -> Floats:
+    def sagittas(self, edges: Floats, bent: float, exact: Bools) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
-        drawn = self.part.placement.points(self.part.body.nodes[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
+        drawn = self.part.placement.points(self.points)[self.contact_places]
         joints = self.edge_nodes[:, 0].astype(np.int64), self.edge_nodes[:, -1].astype(np.int64)
-        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints, bent, self.chord_turn)
+        return sagittas_of(drawn, edges, joints, bent, self.chord_turn, exact)
 
     @cached_property
     def edge_shares(self) -> Floats:
@@ -351,25 +379,27 @@ def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -
     return np.where(smooth, lengths * turns / 8.0, 0.0)
 
 
-def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent: float, limit: float) -> Floats:
+def sagittas_of(
+    drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent: float, limit: float, exact: Bools
+) -> Floats:
     """Distance to which a smooth curve may leave each edge or one of its neighbours, shape (n,).
 
     An edge of a drawn curve turns at both ends to one side, by less than a limit; straight sides do not, and a corner
-    is at one end; see `chord_depths`. What the deformation adds to the turns at both ends, and the distance of the
-    nodes of a curved edge from its chord, are allowed up to a depth.
+    is at one end; see `chord_depths`. What the deformation adds to the turns at both ends, and to the distance of an
+    edge's inner points from its chord, is allowed up to a depth.
 
     Parameters
     ----------
-    drawn
-        Ends of the edges before the deformation, shape (n, 2, 2).
-    deformed
-        Nodes of the deformed edges, shape (n, order + 1, 2).
+    drawn, deformed
+        Points of the edges before and after the deformation, shape (n, order + 1, 2).
     joints
         Points at which the edges start and end, each (n,): edges with a common one meet there.
     bent
         That depth.
     limit
         Turn up to which edges are chords of a curve.
+    exact
+        Which edges are no chords, as they are on the curve all along, (n,).
 
     """
     n = len(drawn)
@@ -377,7 +407,7 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent
     position = np.minimum(np.searchsorted(joints[0][starting], joints[1]), n - 1)
     following = starting[position]
     meets = joints[0][following] == joints[1]
-    was, now = (turns_of(edges, following) for edges in (drawn, deformed[:, [0, -1]]))
+    was, now = (turns_of(edges, following) for edges in (drawn[:, [0, -1]], deformed[:, [0, -1]]))
     curved = np.where(meets, was, 0.0)
     added = np.where(meets, np.abs(np.remainder(now - was + np.pi, 2.0 * np.pi) - np.pi), 0.0)
     previous = np.full(n, -1)
@@ -396,14 +426,19 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], bent
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
     lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
     depths = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, limit)
-    chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
-    inner = deformed[:, 1:-1] - deformed[:, :1]
-    bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
+    depths[exact] = 0.0
+    bulge = np.abs(heights_of(deformed) - heights_of(drawn)).max(axis=1, initial=0.0)
     depths += np.minimum(np.maximum(lengths / 8.0 * (added + added_before), bulge), bent)
     result = depths.copy()
     np.maximum.at(result, following[meets], depths[meets])
     result[meets] = np.maximum(result[meets], depths[following[meets]])
     return result
+
+
+def heights_of(edges: Floats) -> Floats:
+    """Heights of the inner points of edges (n, order + 1, 2) over their chords, out of the body, (n, order - 1)."""
+    chords = edges[:, -1:] - edges[:, :1]
+    return -cross_product(chords, edges[:, 1:-1] - edges[:, :1]) / np.linalg.norm(chords, axis=2)
 
 
 def turns_of(edges: Floats, following: Ints) -> Floats:

@@ -10,7 +10,15 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway.checks import are_all, is_finite, refused
-from flangeway.contact.guards import corners_on_corners, corners_under_force, guarded, key_starts, penetrating
+from flangeway.contact.guards import (
+    Guards,
+    corners_on_corners,
+    corners_under_force,
+    guarded,
+    key_starts,
+    penetrating,
+    unguarded,
+)
 from flangeway.contact.kinematics import Slides
 from flangeway.contact.pairs import Constraints, Enforcement, Pairing, Pairs
 from flangeway.contact.rolling.friction import Friction
@@ -20,7 +28,7 @@ from flangeway.errors import InputError, short
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
 from flangeway.solve.active_set import LIMIT_MARGIN
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Floats, Ints
 
 # --- Contact between two surfaces.
 
@@ -203,7 +211,7 @@ class ContactLinearisation:
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
     guarded_nodes
-        Which nodes of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
+        Which points of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
 
     """
 
@@ -218,7 +226,7 @@ class ContactLinearisation:
     tolerances: Floats
     coefficients: Floats
     term_points: tuple[Ints, ...]
-    guarded_nodes: tuple[tuple[Bools, Bools], ...]
+    guarded_nodes: tuple[Guards, ...]
     spread: sp.csr_array | None = None
 
     @property
@@ -449,6 +457,10 @@ class ContactSystem:
         within = np.searchsorted(self.surface_nodes[number].nodes, surface.nodes)
         return (self._first_node[number] + within).astype(np.int64)
 
+    def points_of(self, surface: Surface, positions: Floats) -> Floats:
+        """Points of a surface's `Surface.contact_places` by positions (n_nodes, 2) of all surface nodes."""
+        return self._all_points(positions)[self._points[id(surface)]]
+
     def linearise(
         self, positions: Floats, previous: ContactLinearisation | None, *, settle: bool = False
     ) -> ContactLinearisation:
@@ -456,13 +468,7 @@ class ContactSystem:
 
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
-        none = [
-            (
-                np.zeros(len(contact.secondary.nodes), dtype=np.bool_),
-                np.zeros(len(contact.primary.nodes), dtype=np.bool_),
-            )
-            for contact in self.contacts
-        ]
+        none = [unguarded(contact.sides) for contact in self.contacts]
         return self._with(none if previous is None else previous.guarded_nodes, positions, previous, settle=settle)
 
     def unguarded(self, positions: Floats, lin: ContactLinearisation, forces: Floats) -> ContactLinearisation:
@@ -490,9 +496,13 @@ class ContactSystem:
         for number, contact in enumerate(self.solved(lin, forces)):
             sides, explained = contact.contact.sides, self.explained(contact, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            guards = penetrating(sides, at, lin.guarded_nodes[number], explained, MAX_OVERLAP * moved / 2.0)
-            one, other = (before | new for before, new in zip(lin.guarded_nodes[number], guards, strict=True))
-            more |= int(one.sum() + other.sum()) > sum(int(mask.sum()) for mask in lin.guarded_nodes[number])
+            follow = contact.contact.friction_coefficient == 0.0
+            bent = MAX_OVERLAP * moved / 2.0
+            guards = penetrating(sides, at, lin.guarded_nodes[number], explained, bent, follow=follow)
+            more |= bool(guards[0].any() or guards[1].any())
+            one, other = (
+                np.where(new > 0.0, new, before) for before, new in zip(lin.guarded_nodes[number], guards, strict=True)
+            )
             guarded_nodes.append((one, other))
         return self._with(guarded_nodes, positions, lin, settle=False) if more else None
 
@@ -514,7 +524,7 @@ class ContactSystem:
 
     def _with(
         self,
-        guarded_nodes: Sequence[tuple[Bools, Bools]],
+        guarded_nodes: Sequence[Guards],
         positions: Floats,
         previous: ContactLinearisation | None,
         *,
@@ -552,6 +562,8 @@ class ContactSystem:
         else:
             node = (local - second) // len(surface.edges)
             surface, other = other, surface
+        if node >= len(surface.nodes):  # a point of an edge
+            node = int(surface.edge_places[node - len(surface.nodes), 0])
         x, y = positions[self.nodes_of(surface)[node]]
         return f"node {surface.nodes[node]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
 
@@ -569,7 +581,7 @@ class ContactSystem:
         return kept
 
     def _assembled(
-        self, all_pairs: list[Constraints], members: list[Ints], guarded_nodes: tuple[tuple[Bools, Bools], ...]
+        self, all_pairs: list[Constraints], members: list[Ints], guarded_nodes: tuple[Guards, ...]
     ) -> ContactLinearisation:
         parts = [part for pairs in all_pairs for part in pairs.parts]
         starts = np.cumsum([0, *(len(part.keys) for part in parts)])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, SegmentToSegment, Surface
+from flangeway.contact.force_errors import contact_regions
 from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import chain_lengths
@@ -15,8 +16,6 @@ from flangeway.types import Floats, Ints
 
 # --- Contact pressure from the forces of contact nodes.
 
-
-CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
 MIN_SEGMENTS = 8
 """Segments in a region of contact below which its maximum pressure depends on where the nodes happen to lie."""
@@ -150,17 +149,10 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
     patches = []
     for number, (contact, pairs, _, forces) in enumerate(system.solved(state.linearisation, state.forces)):
-        keys = _along(pairs, contact)
-        loaded = np.flatnonzero(forces > 0.0)
-        loaded = loaded[np.argsort(keys[loaded], kind="stable")]
         points = state.positions[system.nodes_of(contact.secondary)]
-        groups = np.split(loaded, np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1)
-        n_keys = len(contact.pairing.key_nodes(contact.secondary))
-        if len(groups) > 1 and contact.secondary.is_closed:
-            if keys[loaded[0]] + n_keys - keys[loaded[-1]] <= CONSTRAINTS_APART:
-                groups = [np.append(groups[-1], groups[0]), *groups[1:-1]]
         patches += [
-            _patch(number, contact, pairs, points, forces, group, keys[group]) for group in groups if len(group)
+            _patch(number, contact, pairs, points, forces, group, keys)
+            for group, keys in contact_regions(contact, pairs, forces)
         ]
     return patches
 
@@ -240,14 +232,6 @@ def _sliding(pairs: Constraints, state: ContactState, inside: slice, n: int) -> 
     whole = np.maximum(np.bincount(at, areas, n), 1e-300)
     slips = np.bincount(at, areas * state.friction.slips[inside], n) / whole
     return np.bincount(at, state.friction.forces[inside], n) / whole, slips
-
-
-def _along(pairs: Constraints, contact: Contact) -> Ints:
-    """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
-    nodes = contact.pairing.key_nodes(contact.secondary)
-    order = np.argsort(nodes, kind="stable")
-    nearest = order[np.minimum(np.searchsorted(nodes[order], pairs.nodes), len(nodes) - 1)]
-    return np.where(pairs.guarded, nearest, pairs.keys)
 
 
 def _patch(
@@ -483,18 +467,6 @@ def check_contact(
                 stiffer,
             )
             (errors if depth > MAX_PENETRATION * sinking else warnings).append(too_soft)
-        # a barrier keeps surfaces apart: the mean gap by force, since at the ends of a contact it is the whole reach
-        apart = float((forces * np.maximum(pairs.gaps, 0.0)).sum()) / max(float(forces.sum()), 1e-300)
-        if apart > SMALL_PENETRATION * sinking:
-            warnings.append(
-                sentence(
-                    "surfaces of {} are {:.1e mm} apart under pressure, {:.0f} % of what "
-                    "they sink, and the force is too large by about as much; take a smaller barrier",
-                    name,
-                    apart,
-                    100.0 * apart / sinking,
-                )
-            )
         facets = _facet_depth(contact, pairs, np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None

@@ -51,6 +51,9 @@ class Checks:
         Maximum mean strain of a cell.
     max_turn
         Maximum mean rotation of a cell in its body's frame, rad.
+    force_error
+        Maximum estimated error of a region's contact force by law and mesh, or of its approach under a prescribed
+        force, relative to it; see `flangeway.contact.force_errors`.
     errors
         Sentences about what makes the solution wrong.
     warnings
@@ -66,6 +69,7 @@ class Checks:
     inverted_cells: int
     max_strain: float
     max_turn: float
+    force_error: float = 0.0
     errors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
