@@ -32,10 +32,11 @@ def pressed(enforcement, approach: float = APPROACH, path=None):
 @pytest.mark.parametrize("path", ["condensed", "sparse"])
 @pytest.mark.parametrize("approach", [APPROACH, 0.1 * APPROACH, -0.5 * REACH])
 def test_columns_have_the_pressure_of_the_law(approach: float, path) -> None:
-    """The root of p = w (1 / g - 1 / r) and p = E (d + g) / 2 h, also before they touch within the reach."""
+    """The root of p = w (1 / g - 1 / r) and p = E (d + g) / 2 h; it is refused where g is above half of d."""
     solution = pressed(Barrier(VALUE, REACH), approach, path)
     gap = brentq(lambda g: YOUNG * (approach + g) / (2.0 * HEIGHT) - VALUE * (1.0 / g - 1.0 / REACH), 1e-9, REACH)
-    assert solution.status.converged, solution.status.message
+    assert solution.status.converged == (gap <= 0.5 * approach), solution.status.message
+    assert solution.status.checks.force_error == pytest.approx(gap / approach if approach > 0.0 else np.inf, rel=1e-6)
     assert solution.status.iterations <= 4
     patch = pressure_patches(solution.system, solution.state)[0]
     assert patch.pressures == pytest.approx(VALUE * (1.0 / gap - 1.0 / REACH), rel=1e-9)

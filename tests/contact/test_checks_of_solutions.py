@@ -1,5 +1,6 @@
 """Paths through bodies, large strains, gaps under pressure, nodes that left their partners, a body on itself."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from flangeway.contact import (
     NodeToNode,
     NodeToSegment,
     Pairing,
+    Penalty,
     SegmentToSegment,
     Surface,
     press,
@@ -23,10 +25,10 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement, polygon, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, rectangle_grid, triangulate
-from flangeway.post import check_contact, pressure_patches
 from flangeway.problems import Body, Part
 
 STEEL = Elastic(210e3, 0.3)
+PENALTIES = [Penalty(value, "length") for value in (3e3, 3e4, 3e5, 3e6)]
 
 
 def blocks(pairing: Pairing, law: Enforcement | None = None, friction: float = 0.0, n: int = 8) -> Contact:
@@ -83,14 +85,17 @@ def test_an_unbalanced_solution_is_refused() -> None:
     assert solution.checked(given).status.converged
 
 
-def test_a_gap_under_pressure_is_warned_of() -> None:
-    """The gap of a barrier that makes the force a fifth too large or more is named; multipliers leave none."""
-    exact, apart = (moved(blocks(NodeToSegment(), law), (0.0, -0.01)) for law in (Multiplier(), Barrier(1.0, 0.01)))
-    assert apart.forces[0, 1] > 1.2 * exact.forces[0, 1]
-    for solution, warns in ((exact, False), (apart, True)):
-        patches = pressure_patches(solution.system, solution.state)
-        checks = check_contact(solution.system, solution.state, patches, ["contact"], "finer", "stiffer")
-        assert any("apart under pressure" in each for each in checks.warnings) == warns
+@pytest.mark.parametrize("laws", [[Barrier(value, 0.01) for value in (0.01, 1.0, 10.0, 1e3)], PENALTIES])
+def test_the_error_of_a_law_is_stated_and_refused_above_a_half(laws: Sequence[Enforcement]) -> None:
+    """Penetration or gap change the force of pressed blocks by what is stated, relative to multipliers' force."""
+    exact = moved(blocks(NodeToSegment(), Multiplier()), (0.0, -0.01)).forces[0, 1]
+    for law in laws:
+        solution = moved(blocks(NodeToSegment(), law), (0.0, -0.01))
+        error = abs(solution.forces[0, 1] / exact - 1.0)
+        assert solution.status.checks.force_error == pytest.approx(error, rel=0.1, abs=0.01)
+        assert solution.status.converged == (error < 0.5), (law, error)
+        assert ("apart under pressure" in solution.status.message) == (error > 0.05 and isinstance(law, Barrier))
+        assert ("the penetration of" in solution.status.message) == (error > 0.05 and isinstance(law, Penalty))
 
 
 def test_contacts_without_names_are_called_by_their_parts() -> None:

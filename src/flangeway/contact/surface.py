@@ -171,6 +171,16 @@ class Surface:
         return (turns > CORNER_ANGLE) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
+    def sharp_places(self) -> Ints:
+        """Positions in `nodes` of sharp convex corners of the body, those at the ends of the surface too, (n,)."""
+        points, outer = self.part.body.nodes, self.part.body.boundary_edges
+        into = np.full(len(points), -1)
+        into[outer[:, 1]] = np.arange(len(outer))
+        chords, before = points[outer[:, 1]] - points[outer[:, 0]], into[outer[:, 0]]
+        turns = np.arctan2(cross_product(chords[before], chords), (chords[before] * chords).sum(axis=1))
+        return np.flatnonzero(np.isin(self.nodes, outer[(turns > ROUGH_ANGLE) & (before >= 0), 0]))
+
+    @cached_property
     def shifts(self) -> Floats:
         """From the nodes to the closest points of the curve, in the body's frame, shape (n_nodes, 2)."""
         return self._to_curve(self.part.body.nodes[self.nodes])

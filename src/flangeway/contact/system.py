@@ -515,7 +515,7 @@ class ContactSystem:
     def explained(solved: SolvedContact, moved: float) -> float:
         """Maximum penetration that the law of a contact, the elements between nodes and round-off explain."""
         law = solved.contact.enforcement
-        given = law.tolerance()
+        given = law.tolerance() if solved.forces.any() else 0.0
         if not np.isfinite(given):
             compliances = np.concatenate([law.compliances(part) for part in solved.pairs.parts])
             given = float((compliances * solved.forces).max(initial=0.0))

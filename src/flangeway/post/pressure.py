@@ -12,6 +12,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.results import Result, ResultTable, sentence
+from flangeway.space.symmetric import EPS
 from flangeway.types import Floats, Ints
 
 # --- Contact pressure from the forces of contact nodes.
@@ -22,6 +23,9 @@ MIN_SEGMENTS = 8
 
 MAX_OSCILLATION = 0.1
 """Pressure oscillation (`oscillation_of`) above which no pressure is reliable; the default cases have 0.02."""
+
+AT_CORNER = "at a sharp corner, where the pressure has no limit"
+"""Remark on the pressure of a corner."""
 
 FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 """Fourth difference: hardly anything of smooth pressures, and 16 times the amplitude of the finest wave."""
@@ -60,13 +64,15 @@ class PressurePatch(Result):
         shape (n,). A node of whose area the primary faces less than half has the mean pressure of itself and its
         neighbour, and so has node-to-node one with less than a fifth of its neighbour's area.
     width
-        Sum of the lengths that belong to the nodes.
+        Sum of the lengths that belong to the nodes, about an axis of revolution on both sides of it.
     secondary_point, primary_point
         Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
     at_edge
         Whether the patch reaches an end of either surface, so that contact may go on outside.
     per_segment
         Number of constraints of a segment of the surface.
+    corner
+        Sharp corner of one body, x and y, under pressure against a smooth part of the other; None: there is none.
     """
 
     contact: int
@@ -81,6 +87,7 @@ class PressurePatch(Result):
     primary_point: Floats
     at_edge: bool
     per_segment: int = 1
+    corner: tuple[float, float] | None = None
 
     @property
     def table(self) -> ResultTable:
@@ -111,11 +118,11 @@ class PressurePatch(Result):
     @property
     def remark(self) -> str | None:
         """Why its pressures are not reliable, see `pressure_remark`."""
-        return pressure_remark(self.n_segments, self.oscillation)
+        return AT_CORNER if self.corner else pressure_remark(self.n_segments, self.oscillation)
 
     @property
     def half_width(self) -> float:
-        """Half of the loaded length."""
+        """Half of the loaded length, about an axis of revolution the radius of the contact."""
         return self.width / 2.0
 
 
@@ -149,9 +156,9 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     """Regions of contact of a solution, contact by contact along the secondary surfaces."""
     patches = []
     for number, (contact, pairs, _, forces) in enumerate(system.solved(state.linearisation, state.forces)):
-        points = state.positions[system.nodes_of(contact.secondary)]
+        points, others = (state.positions[system.nodes_of(surface)] for surface in contact.sides)
         patches += [
-            _patch(number, contact, pairs, points, forces, group, keys)
+            _patch(number, contact, pairs, (points, others), forces, group, keys)
             for group, keys in contact_regions(contact, pairs, forces)
         ]
     return patches
@@ -238,12 +245,16 @@ def _patch(
     number: int,
     contact: Contact,
     pairs: Constraints,
-    points: Floats,
+    positions: tuple[Floats, Floats],
     forces: Floats,
     group: Ints,
     keys: Ints,
 ) -> PressurePatch:
-    """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
+    """Patch of the constraints in ``group``, sorted along the surface; those of one key are added up.
+
+    - `positions`: of the nodes of the secondary and of the primary surface.
+    """
+    points = positions[0]
     nodes, force = pairs.nodes[group], forces[group]
     share = force / force.sum()
 
@@ -276,13 +287,46 @@ def _patch(
             on_secondary[starts, 0],
             contact,
         ),
-        float(_lengths(contact)[faced].sum()),
+        float(_lengths(contact)[faced].sum()) * (2.0 if _is_about_axis(secondary, numbers % n) else 1.0),
         share @ on_secondary,
         share @ on_primary,
         (not secondary.is_closed and _reaches_end(nodes, n))
         or (not primary.is_closed and _reaches_end(pairs.primary_edges[touched], len(primary.edges))),
         1 if isinstance(contact.pairing, SegmentToSegment) else secondary.edge_nodes.shape[1] - 1,
+        _corner_in(contact, points[faced], positions),
     )
+
+
+def _is_about_axis(surface: Surface, nodes: Ints) -> bool:
+    """Whether nodes of a body of revolution are in contact up to its axis: the first one is on an edge that ends there.
+
+    The mean of the gap of a node on the axis has little weight, so that this node may be open.
+    """
+    body = surface.part.body
+    if not body.axisymmetric:
+        return False
+    radii = body.nodes[surface.nodes, 0]
+    on_axis = np.abs(radii) <= EPS * body.size
+    near_axis = np.unique(surface.edge_places[on_axis[surface.edge_places].any(axis=1)])
+    return bool(np.isin(nodes, near_axis).any())
+
+
+def _corner_in(contact: Contact, region: Floats, positions: tuple[Floats, Floats]) -> tuple[float, float] | None:
+    """First sharp corner of either body in a region of contact with nodes at points (n, 2) that no corner faces.
+
+    - `positions`: of the nodes of both surfaces, each (n_nodes, 2).
+    """
+    places = [surface.sharp_places for surface in contact.sides]
+    corners = [at[numbers] for at, numbers in zip(positions, places, strict=True)]
+    length = max(float(surface.edge_lengths.min()) for surface in contact.sides)
+    for own, other in (corners, corners[::-1]):
+        for corner in own:
+            to_region, to_others = (
+                np.linalg.norm(points - corner, axis=1).min(initial=np.inf) for points in (region, other)
+            )
+            if to_region <= length and to_others > length / 2.0:
+                return float(corner[0]), float(corner[1])
+    return None
 
 
 def _lengths(contact: Contact) -> Floats:
@@ -482,6 +526,16 @@ def check_contact(
                     finer,
                 )
             )
+        corners = dict.fromkeys(patch.corner for patch in own_patches if patch.corner)
+        warnings += [
+            sentence(
+                "the maximum pressure of {} is at a sharp corner, at ({:.4g (mm)}, {:.4g (mm)}), where it has no "
+                "limit: it grows with finer elements; round the corner off for a maximum",
+                name,
+                *corner,
+            )
+            for corner in corners
+        ]
         for patch in own_patches:
             warnings += roughness(patch.n_segments, patch.oscillation, name, finer)
     return ContactChecks(tuple(errors), tuple(warnings))

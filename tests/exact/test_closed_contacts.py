@@ -1,0 +1,100 @@
+"""Contact along whole circles, ovals and polygons, beside Lamé's rings and a contact that may lie across the seam."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flangeway.cases.bodies.bodies_run import BodiesRun, TwoBodiesCase
+
+YOUNG, POISSON, GAP, INNER, OUTER = 210e3, 0.3, 0.01, 20.0, 40.0
+
+
+def circle(radius: float, name: str = "circle", at: float = 0.0, height: float = 0.0) -> dict[str, Any]:
+    """A circle of two arcs about (0, height), whose seam is at an angle."""
+    x, y = radius * np.cos(at), radius * np.sin(at)
+    ends = [[sign * x, height + sign * y] for sign in (-1, 1)]
+    arcs = [{"arc_to": end, "centre": [0.0, height], "turn": "left", "name": name} for end in ends]
+    return {"path": [{"from": ends[1]}, *arcs]}
+
+
+def fit(hub: dict[str, Any], held: str, primary: str = "shaft", **values: Any) -> BodiesRun:
+    """A shaft that is too large by `GAP` in a hub, plane strain."""
+    names = {"shaft": None, "hub": "bore"}
+    secondary = "hub" if primary == "shaft" else "shaft"
+    edges = {key: names[name] for key, name in (("secondary_edges", secondary), ("primary_edges", primary))}
+    contact = {"secondary": secondary, "primary": primary, "interference": True}
+    return TwoBodiesCase.from_values(
+        {
+            "bodies": [
+                {"name": "shaft", "outline": circle(INNER + GAP), "size_mm": 2.5},
+                {"name": "hub", "outline": hub, "size_mm": 2.5},
+            ],
+            "supports": [{"body": "hub", "edges": held}],
+            "contacts": [contact | {key: name for key, name in edges.items() if name}],
+        }
+        | values
+    ).run()
+
+
+@pytest.mark.parametrize("primary", ["shaft", "hub"])
+def test_a_fit_in_a_held_hub_has_the_pressure_of_lame(primary: str) -> None:
+    """u = A (r - b^2 / r) in the hub, which is held at b, and a uniform pressure in the shaft: 93.75 MPa."""
+    run = fit(circle(OUTER, "rim") | {"holes": [circle(INNER, "bore", 0.7)]}, "rim", primary)
+    assert run.status.converged, run.status.message
+    shear, strain = YOUNG / (1.0 + POISSON), 1.0 - 2.0 * POISSON
+    ratio = (OUTER / INNER) ** 2
+    hub = INNER * (ratio - 1.0) / (shear * (1.0 / strain + ratio))
+    pressure = GAP / (hub + INNER * strain / shear)
+    (patch,) = run.patches
+    assert patch.pressures == pytest.approx(pressure, rel=0.03)
+    assert patch.normal_forces.sum() == pytest.approx(2.0 * np.pi * INNER * pressure, rel=3e-3)
+    assert patch.half_width == pytest.approx(np.pi * INNER, rel=2e-3)
+    assert not patch.at_edge
+
+
+def test_a_fit_in_a_square_hub_carries_a_pressure_all_round() -> None:
+    """A square outside of the ring of Lamé with a free rim, 43.27 MPa: a little stiffer, in one region."""
+    points = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]
+    run = fit({"points": points, "holes": [circle(INNER, "bore")]}, "side_1")
+    assert run.status.converged, run.status.message
+    (patch,) = run.patches
+    mean = float(patch.normal_forces.sum()) / (2.0 * np.pi * INNER)
+    assert 43.27 < mean < 1.15 * 43.27
+    assert np.ptp(patch.along) == pytest.approx(2.0 * np.pi * INNER, rel=0.05)
+
+
+@pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
+def test_a_contact_across_the_seam_is_one_region(pairing: str) -> None:
+    """A whole disc on a block: wherever the seam of its circle is, one region has the same force, centre and width."""
+    numbers = []
+    for seam in (-np.pi / 2.0, 0.0):
+        disc = circle(10.0, "rim", seam, 10.0) | {"holes": [circle(5.0, "hub", 0.0, 10.0)]}
+        block = {"width_mm": 40.0, "height_mm": 20.0, "centre_mm": [0.0, -10.0]}
+        fine = [{"at_mm": [[-1.0, 0.0], [1.0, 0.0]], "size_mm": 0.15}]
+        run = TwoBodiesCase.from_values(
+            {
+                "bodies": [
+                    {"name": "disc", "outline": disc, "size_mm": 2.0, "fine": fine},
+                    {"name": "block", "rectangle": block, "size_mm": 4.0, "fine": fine},
+                ],
+                "supports": [{"body": "disc", "edges": "hub"}, {"body": "block", "edges": "bottom"}],
+                "motions": [{"body": "disc", "shift_mm": [0.0, -0.05]}],
+                "contacts": [
+                    {
+                        "secondary": "disc",
+                        "secondary_edges": "rim",
+                        "primary": "block",
+                        "primary_edges": "top",
+                        "pairing": pairing,
+                    }
+                ],
+            }
+        ).run()
+        assert run.status.converged, run.status.message
+        (patch,) = run.patches
+        assert np.all(np.diff(patch.along) > 0.0)
+        numbers.append([patch.force[1], patch.half_width, patch.pressures.max()])
+        assert patch.centre[0] == pytest.approx(0.0, abs=0.02)
+    assert numbers[0] == pytest.approx(numbers[1], rel=0.12)
+    assert numbers[0][0] == pytest.approx(numbers[1][0], rel=0.02)
