@@ -190,7 +190,7 @@ def wedged(seed: int):
     jaw_part = Part("jaw", jaw, Placement(0.0, (centre[0] - 1.0, centre[1] + radius + 0.01)))
     contacts = [Contact(surface, surface_of(groove, name), pairing, law, 0.25) for name in "ud"]
     contacts.append(Contact(surface, surface_of(jaw_part, "bottom"), pairing, law, 0.25))
-    force = rng.uniform(100.0, 300.0)
+    force = rng.uniform(60.0, 180.0)
     return press_parts(contacts, {}, loads={jaw_part: (None, -force, None)}), roller, force
 
 

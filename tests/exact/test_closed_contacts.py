@@ -39,7 +39,7 @@ def fit(hub: dict[str, Any], held: str, primary: str = "shaft", **values: Any) -
 
 @pytest.mark.parametrize("primary", ["shaft", "hub"])
 def test_a_fit_in_a_held_hub_has_the_pressure_of_lame(primary: str) -> None:
-    """u = A (r - b^2 / r) in the hub, which is held at b, and a uniform pressure in the shaft: 93.75 MPa."""
+    """U = A (r - b^2 / r) in the hub, which is held at b, and a uniform pressure in the shaft: 93.75 MPa."""
     run = fit(circle(OUTER, "rim") | {"holes": [circle(INNER, "bore", 0.7)]}, "rim", primary)
     assert run.status.converged, run.status.message
     shear, strain = YOUNG / (1.0 + POISSON), 1.0 - 2.0 * POISSON

@@ -23,6 +23,9 @@ SMALL_FORCE_ERROR = 0.05
 MAX_FORCE_ERROR = 0.5
 """Error of a force above which it is wrong: half of it is penetration or gap of the law, or unknown by the mesh."""
 
+MAX_APPROACH_ERROR = 1.0
+"""The same of the approach under a prescribed force, relative to the elastic closure."""
+
 SPREAD = 1.2
 """Half width over which an element spreads the pressure of a contact that is narrower than it, in its lengths: the
 smallest that bounds the errors of the random contacts of `benchmarks.narrow_contacts` is 1."""
@@ -92,10 +95,12 @@ class ForceError:
     exponent: float
     size: float
 
-    @property
-    def by_law(self) -> float:
-        """Error of the force by the law of contact, relative to that of surfaces that touch without penetration."""
-        motion = self.closure + self.penetration - self.gap
+    def by_law(self, *, prescribed: bool) -> float:
+        """Error of the force by the law of contact, relative to that of surfaces that touch without penetration.
+
+        With a ``prescribed`` force that of the approach, relative to the elastic one.
+        """
+        motion = self.closure if prescribed else self.closure + self.penetration - self.gap
         return (self.penetration + self.gap) / motion if motion > 0.0 else np.inf
 
     @property
@@ -218,7 +223,7 @@ class _Region:
     def _spread(self) -> tuple[float, float, float]:
         """Missing closure, the force's exponent, and a size of elements that resolves the contact.
 
-        Elements of length h spread the pressure of a contact of Hertz's half width a to about ``sqrt(a^2 + (c h)^2)``. A
+        Elements of length h spread the pressure of a contact of Hertz's half width a to ``sqrt(a^2 + (c h)^2)``. A
         line's closure has the term ``-(2 F / pi E) ln a``, that of a point is ``3 F / 4 E a`` (Johnson, 1985, 4.2).
         """
         sides = list(zip(self.contact.sides, self.edges, strict=True))

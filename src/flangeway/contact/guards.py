@@ -92,7 +92,7 @@ class PointPairs(NodePairs):
         """See `Pairs.opposite_points`."""
         of_primary, n = self.weights[:, -edges.shape[1] :], edges.shape[1]
         on_faced = shape_functions(n - 1, self.parameters, 0)[0] if len(self.parameters) else np.zeros((0, n))
-        weights = np.where(of_primary.any(axis=1)[:, None], of_primary, on_faced[:, :n])
+        weights = np.where((of_primary != 0.0).any(axis=1, keepdims=True), of_primary, on_faced[:, :n])
         return np.einsum("na,nai->ni", weights, edges[self.primary_edges])
 
 
@@ -380,11 +380,8 @@ def penetrating(
         for column in places.T:
             np.minimum.at(secondary_depths, column, sagittas[side])
 
-        # the deepest point of an edge that is guarded elsewhere already is wanted exactly
-        secondary_depths[guarded_nodes[side] > 0.0] = -np.inf
-
         def allowed(nodes: Ints, partners: Ints, depths: Floats = secondary_depths, other: int = other) -> Floats:
-            return GUARDED_DEPTH * np.maximum(depths[nodes] + sagittas[other][partners], 0.0) + explained
+            return GUARDED_DEPTH * (depths[nodes] + sagittas[other][partners]) + explained
 
         margins = guarded_margins(edges[other])
         nodes, faced, gaps = facing_pairs(*given, FOOT_SLACK, margins, FOOT_SLACK, allowed)

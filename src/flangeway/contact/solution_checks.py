@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from flangeway.contact.force_errors import (
+    MAX_APPROACH_ERROR,
     MAX_FORCE_ERROR,
     SMALL_FORCE_ERROR,
     force_errors,
@@ -454,16 +455,25 @@ def check_solution(
             f"{' and '.join(deepest.parts)} overlap by {overlap:.2g} at {point_text(deepest.position)}, "
             f"{100.0 * overlap / moved:.2g} % of the maximum displacement, between nodes: take a finer mesh there"
         )
-    force_error = _force_errors(system, response, state, errors, warnings)
+    moving = [part for part, (_, handle) in zip(system.parts, given, strict=True) if handle is not None]
+    force_error = _force_errors(system, response, state, moving, errors, warnings)
     measured = force, moment, gap, slide, overlap, inverted, strain, turn, force_error
     return Checks(*measured, tuple(errors), tuple(warnings))
 
 
 def _force_errors(
-    system: ContactSystem, response: BodyResponse, state: ContactState, errors: list[str], warnings: list[str]
+    system: ContactSystem,
+    response: BodyResponse,
+    state: ContactState,
+    moving: Sequence[Part],
+    errors: list[str],
+    warnings: list[str],
 ) -> float:
-    """Maximum error of a region's force by the law of contact and by the mesh, see `ForceError`."""
-    regions = force_errors(system, response, state)
+    """Maximum error of a region's force by the law of contact and by the mesh, see `ForceError`.
+
+    Between parts that move freely, ``moving``, it is one of the approach, which may be as large as the elastic one.
+    """
+    regions, worst_of_all = force_errors(system, response, state), 0.0
     for number, contact in enumerate(system.contacts):
         name = f"the contact of {contact.secondary.part.name} on {contact.primary.part.name}"
         of_contact = [region for region in regions if region.contact == number]
@@ -475,23 +485,29 @@ def _force_errors(
                     f"{overlap:.2g}: give its surfaces their drawn curves (curved), or take smaller elements there"
                 )
             continue
-        if (worst := max(of_contact, key=lambda region: region.by_law)).by_law > SMALL_FORCE_ERROR:
-            (errors if worst.by_law > MAX_FORCE_ERROR else warnings).append(
-                f"the penetration of {name}, {worst.penetration:.2g}, makes its force {100.0 * worst.by_law:.2g} % too "
-                "small, or its approach as much too large: raise the penalty"
-                if worst.penetration > worst.gap
-                else f"surfaces of {name} are {worst.gap:.2g} apart under pressure, which makes its force "
-                f"{100.0 * worst.by_law:.2g} % too large, or its approach as much too small: take a smaller barrier"
+        prescribed = bool(set(contact.parts).intersection(moving))
+        limit, what = (MAX_APPROACH_ERROR, "approach") if prescribed else (MAX_FORCE_ERROR, "force")
+        region = max(of_contact, key=lambda region: region.by_law(prescribed=prescribed))
+        by_law, too_small = region.by_law(prescribed=prescribed), (region.penetration < region.gap) == prescribed
+        if by_law > SMALL_FORCE_ERROR:
+            size = "small" if too_small else "large"
+            (errors if by_law > limit else warnings).append(
+                f"the penetration of {name}, {region.penetration:.2g}, makes its {what} {100.0 * by_law:.2g} % too "
+                f"{size}: raise the penalty"
+                if region.penetration > region.gap
+                else f"surfaces of {name} are {region.gap:.2g} apart under pressure, which makes its {what} "
+                f"{100.0 * by_law:.2g} % too {size}: take a smaller barrier"
             )
-        if (worst := max(of_contact, key=lambda region: region.by_mesh)).by_mesh > SMALL_FORCE_ERROR:
-            advice = f"take elements of at most {worst.size:.2g} there"
-            if worst.chords > worst.between_nodes + worst.spread:
+        region = max(of_contact, key=lambda region: region.by_mesh)
+        if region.by_mesh > SMALL_FORCE_ERROR:
+            advice = f"take elements of at most {region.size:.2g} there"
+            if region.chords > region.between_nodes + region.spread:
                 advice = f"its surfaces are chords of curves: give them their drawn curves (curved), or {advice}"
-            (errors if worst.by_mesh > MAX_FORCE_ERROR else warnings).append(
-                f"the force of {name}, or its approach under a prescribed force, may be off by "
-                f"{100.0 * worst.by_mesh:.2g} %, as its mesh is too coarse; {advice}"
+            (errors if region.by_mesh > limit else warnings).append(
+                f"the {what} of {name} may be off by {100.0 * region.by_mesh:.2g} %: its mesh is too coarse; {advice}"
             )
-    return max((max(region.by_law, region.by_mesh) for region in regions), default=0.0)
+        worst_of_all = max(worst_of_all, by_law, region.by_mesh)
+    return worst_of_all
 
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:
