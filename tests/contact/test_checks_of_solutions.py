@@ -25,6 +25,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement, polygon, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, rectangle_grid, triangulate
+from flangeway.post import check_contact, pressure_patches
 from flangeway.problems import Body, Part
 
 STEEL = Elastic(210e3, 0.3)
@@ -99,8 +100,8 @@ def test_the_error_of_a_law_is_stated_and_refused_above_a_half(laws: Sequence[En
 
 
 def test_contacts_without_names_are_called_by_their_parts() -> None:
-    """Warnings of a barrier's gap name both parts; a name too many and a text in place of a list are refused."""
-    solution = moved(blocks(NodeToSegment(), Barrier(1.0, 0.01)), (0.0, -0.01))
+    """Warnings of a coarse contact name both parts; a name too many and a text in place of a list are refused."""
+    solution = moved(blocks(NodeToSegment(), n=4), (0.0, -0.01))
     patches = pressure_patches(solution.system, solution.state)
     checks = check_contact(solution.system, solution.state, patches)
     assert any(all(part.name in each for part in solution.system.parts) for each in checks.warnings)
