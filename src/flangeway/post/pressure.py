@@ -64,7 +64,7 @@ class PressurePatch(Result):
         shape (n,). A node of whose area the primary faces less than half has the mean pressure of itself and its
         neighbour, and so has node-to-node one with less than a fifth of its neighbour's area.
     width
-        Sum of the lengths that belong to the nodes, about an axis of revolution on both sides of it.
+        Sum of the lengths that belong to the nodes.
     secondary_point, primary_point
         Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
     at_edge
@@ -73,6 +73,8 @@ class PressurePatch(Result):
         Number of constraints of a segment of the surface.
     corner
         Sharp corner of one body, x and y, under pressure against a smooth part of the other; None: there is none.
+    about_axis
+        Whether it is around the axis of bodies of revolution, up to which it reaches.
     """
 
     contact: int
@@ -88,6 +90,7 @@ class PressurePatch(Result):
     at_edge: bool
     per_segment: int = 1
     corner: tuple[float, float] | None = None
+    about_axis: bool = False
 
     @property
     def table(self) -> ResultTable:
@@ -123,7 +126,7 @@ class PressurePatch(Result):
     @property
     def half_width(self) -> float:
         """Half of the loaded length, about an axis of revolution the radius of the contact."""
-        return self.width / 2.0
+        return self.width if self.about_axis else self.width / 2.0
 
 
 def oscillation_of(pressures: Floats) -> float:
@@ -287,13 +290,14 @@ def _patch(
             on_secondary[starts, 0],
             contact,
         ),
-        float(_lengths(contact)[faced].sum()) * (2.0 if _is_about_axis(secondary, numbers % n) else 1.0),
+        float(_lengths(contact)[faced].sum()),
         share @ on_secondary,
         share @ on_primary,
         (not secondary.is_closed and _reaches_end(nodes, n))
         or (not primary.is_closed and _reaches_end(pairs.primary_edges[touched], len(primary.edges))),
         1 if isinstance(contact.pairing, SegmentToSegment) else secondary.edge_nodes.shape[1] - 1,
         _corner_in(contact, points[faced], positions),
+        _is_about_axis(secondary, numbers % n),
     )
 
 
