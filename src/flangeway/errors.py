@@ -4,6 +4,7 @@ Every message says three things: what was given, what is allowed, and what to do
 """
 
 import os
+import re
 import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -13,10 +14,15 @@ from pathlib import Path, PurePath
 
 MAX_LETTERS_OF_VALUE = 80
 MAX_LETTERS_OF_LIST = 200
+MAX_LETTERS_OF_WORD = 300
+MAX_LETTERS_OF_PART = 3000  # of a message: as much as the longest list of keys
 DEBUG_VARIABLE = "FLANGEWAY_DEBUG"
 """Environment variable that ``--debug`` sets for this process and its workers."""
 
 _PLAIN = str.maketrans("", "", "<>")
+_LONG = re.compile(
+    rf"""\S{{{MAX_LETTERS_OF_WORD},}}|'[^'\n]{{{MAX_LETTERS_OF_WORD},}}'|"[^"\n]{{{MAX_LETTERS_OF_WORD},}}\""""
+)
 
 
 def short(value: object) -> str:
@@ -26,6 +32,12 @@ def short(value: object) -> str:
     except ValueError:  # Python writes no integer of more than some thousands of digits
         return "a number of thousands of digits"
     return text if len(text) <= MAX_LETTERS_OF_VALUE else text[: MAX_LETTERS_OF_VALUE - 3] + "..."
+
+
+def _cut(part: str) -> str:
+    """A part of a message, cut where what a user wrote is longer than one reads: words, quoted texts, and the whole."""
+    part = _LONG.sub(lambda long: f"{long[0][: MAX_LETTERS_OF_WORD - 3]}...", part)
+    return part if len(part) <= MAX_LETTERS_OF_PART else f"{part[: MAX_LETTERS_OF_PART - 3]}..."
 
 
 def _written(value: object) -> str:
@@ -66,6 +78,7 @@ class InputError(FlangewayError):
     """
 
     def __init__(self, given: str, allowed: str, advice: str) -> None:
+        given, allowed, advice = map(_cut, (given, allowed, advice))
         parts = ["allowed: " + allowed, "what to do: " + advice]
         if len(allowed) > MAX_LETTERS_OF_LIST:  # nobody reads a page of keys before "did you mean"
             parts.reverse()
@@ -99,7 +112,7 @@ class UnforeseenError(RuntimeError):
 
 
 def unforeseen(error: BaseException) -> str:
-    """Return one sentence on an unforeseen error: what and where it is, and where to report it.
+    """Return one sentence on an internal error: what and where it is, and where to report it.
 
     With `DEBUG_VARIABLE` the traceback follows.
     """
@@ -114,7 +127,7 @@ def unforeseen(error: BaseException) -> str:
     why = " ".join(str(error).split())
     why = why if len(why) <= 2 * MAX_LETTERS_OF_VALUE else f"{why[: 2 * MAX_LETTERS_OF_VALUE]}..."
     sentence = (
-        f"an error that nobody foresaw, {type(error).__name__}{f' ({why})' if why else ''} in "
+        f"internal error, {type(error).__name__}{f' ({why})' if why else ''} in "
         f"{frames[-1] if frames else 'flangeway'}: please report it as an issue of the project flangeway, with the "
         "command, its files and what `flangeway --version` prints; --debug shows more"
     )
@@ -145,6 +158,7 @@ class OutOfMemoryError(FlangewayError, MemoryError):
     )
 
     def __init__(self, given: str, allowed: str = "a computation for which this machine has memory") -> None:
+        given = _cut(given)
         super().__init__(f"{given}\n  allowed: {allowed}\n  what to do: {self.advice}")
         self.given = given
         self.allowed = allowed

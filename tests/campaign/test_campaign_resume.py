@@ -156,7 +156,7 @@ def test_a_row_that_kills_its_workers_fails_with_the_reason_and_the_rest_goes_on
     assert "worker died" in reported[3][1]
     assert reported[5] == ("not converged", "five does not converge")
     assert reported[7][0] == "failed"
-    assert reported[7][1].startswith("an error that nobody foresaw, ValueError (seven cannot be summed) in ")
+    assert reported[7][1].startswith("internal error, ValueError (seven cannot be summed) in ")
 
 
 MAIN = """

@@ -178,14 +178,14 @@ def test_work_in_another_process_heeds_an_ignored_interruption(tmp_path):
     assert (process.returncode, out) == (0, "None\n"), err
 
 
-FORESEEN = ("foresaw", "Traceback")
+FORESEEN = ("internal error", "Traceback")
 
 
 def defect(*_, **__):
     raise ZeroDivisionError("one over nothing")
 
 
-def test_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
+def test_an_internal_error_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
         "flangeway.cases.bodies.presets.CookCase.run",
@@ -212,7 +212,7 @@ def test_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, m
         said = err.splitlines()[-1]
         assert (status, out) == (2, ""), command
         assert "Traceback" not in err
-        assert said.startswith("flangeway: an error that nobody foresaw, ZeroDivisionError (one over nothing) in ")
+        assert said.startswith("flangeway: internal error, ZeroDivisionError (one over nothing) in ")
         assert "please report it as an issue of the project flangeway" in said
     for words in (("--debug", "run", "cook"), ("run", "cook", "--debug")):
         assert "Traceback" in call(*words)[2]
@@ -225,14 +225,14 @@ def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     case = find_case("cook").from_values({})
     (result,) = compute(Chunk((Row(1, {}, case),))).results
     assert result.status == "failed"
-    assert result.message.startswith("an error that nobody foresaw, ZeroDivisionError (one over nothing) in ")
+    assert result.message.startswith("internal error, ZeroDivisionError (one over nothing) in ")
     assert "\n" not in result.message
     monkeypatch.setenv("FLANGEWAY_DEBUG", "1")
     assert "Traceback" in compute(Chunk((Row(1, {}, case),))).results[0].message
     monkeypatch.delenv("FLANGEWAY_DEBUG")
     with pytest.raises(UnforeseenError) as caught:
         in_own_process(divmod, 1, 0)
-    assert str(caught.value).startswith("an error that nobody foresaw, ZeroDivisionError (")
+    assert str(caught.value).startswith("internal error, ZeroDivisionError (")
     assert "\n" not in str(caught.value)
 
 

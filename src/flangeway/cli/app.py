@@ -1,5 +1,6 @@
 """The program itself: its options, and how it ends."""
 
+import errno
 import os
 import sys
 from collections.abc import Iterator
@@ -23,6 +24,8 @@ from flangeway.cli.common import (
 from flangeway.errors import DEBUG_VARIABLE, InputError, unforeseen
 from flangeway.system.operating_system import environment
 
+UNWRITABLE = (errno.EPIPE, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+"""Errors of writing to the standard output."""
 MEMORY = "--memory"
 MEMORY_VARIABLE = "FLANGEWAY_MEMORY_GB"
 DEBUG = "--debug"
@@ -114,7 +117,7 @@ def _wants_debugging(args: list[str]) -> bool:
 
 
 def main() -> None:
-    """Run the command line and exit with its status; an error that nobody foresaw ends in one sentence."""
+    """Run the command line and exit with its status; an internal error ends in one sentence."""
     with environment({DEBUG_VARIABLE: "1"} if _wants_debugging(sys.argv[1:]) else {}):
         sys.exit(_status())
 
@@ -129,19 +132,27 @@ def _status() -> int:
         for word in sys.argv[1:]:
             if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
                 raise typer.BadParameter(f"an argument that is no text in UTF-8: {word!r}")
-        return int(app(prog_name="flangeway", standalone_mode=False) or DONE)
+        status = int(app(prog_name="flangeway", standalone_mode=False) or DONE)
+        sys.stdout.flush()  # not when Python ends, where nothing reports an error
+        return status
     except usage_error as error:
         complain(_usage_message(error))
         return WRONG_INPUT
     except (KeyboardInterrupt, typer.Abort):
         complain(NOTHING_WRITTEN)
         return INTERRUPTED
-    except BrokenPipeError:  # the reader of the results has closed the pipe; the rest is dropped
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
     except Exception as error:
-        complain(unforeseen(error))
-        return WRONG_INPUT
+        if not (isinstance(error, OSError) and error.errno in UNWRITABLE and error.filename is None):
+            complain(unforeseen(error))
+            return WRONG_INPUT
+        # the rest of the output is dropped; a reader that has closed its pipe wants no message
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if error.errno != errno.EPIPE:
+            advice = "free some space, or direct the output to another place"
+            complain(
+                str(InputError(f"output that cannot be written: {error.strerror}", "a file with space left", advice))
+            )
+        return FAILED
 
 
 def _usage_message(error: Any) -> str:

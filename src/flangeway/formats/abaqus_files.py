@@ -121,6 +121,7 @@ _READ = {
 """Keywords that are read, with the parameters that are known."""
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}(\.0*)?")  # what 64 bits hold
 MAX_MEMBERS = 5_000_000  # numbers in a set
+MAX_KEYWORD_LETTERS = 10_000  # with its parameters, on all of its lines
 MAX_NAMED = 30
 _SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
 
@@ -154,6 +155,8 @@ def _blocks(text: str) -> list[_Block]:
         row, pending = pending + raw.strip(), ""
         if not row or row.startswith("**"):
             continue
+        if row.startswith("*") and len(row) > MAX_KEYWORD_LETTERS:
+            raise InputError(f"line {number}: a keyword of {len(row)} letters", "short keywords", "repair the lines")
         words = [word.strip() for word in row.split(",")]
         if row.startswith("*") and words[-1] == "":
             pending = row

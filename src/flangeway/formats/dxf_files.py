@@ -7,6 +7,7 @@ an ellipse's conjugate radii and a spline's control points is the same of the im
 
 import io
 import itertools
+import logging
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -48,6 +49,7 @@ _HOW_IN_DXF = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the inp
 _READ = "LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE, POLYLINE, and blocks of these"
 _DRAWN = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 _HATCHES = ("HATCH", "MPOLYGON")
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it repairs is no concern of the terminal
 _ANNOTATIONS = {
     *("TEXT", "MTEXT", "ATTRIB", "ATTDEF", "DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER"),
     *("MULTILEADER", "MLEADER", "TOLERANCE", "POINT", "VIEWPORT", "IMAGE", "WIPEOUT", "RAY", "XLINE", "SHAPE"),

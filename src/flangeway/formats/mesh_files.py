@@ -14,13 +14,14 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.errors import InputError, located
+from flangeway.errors import InputError, located, short
 from flangeway.formats.abaqus_files import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh, second_order_sides
 from flangeway.mesh.connectivity import next_in_row
 from flangeway.mesh.curved import PIECES, as_polylines
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
+from flangeway.system.memory_limits import memory_limited, refuse_beyond_memory
 from flangeway.types import Indices, Ints
 
 _CORNERS = {
@@ -32,6 +33,8 @@ _CORNERS = {
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
 _VTK_TYPES = {"line": 3, "triangle": 5, "polygon": 7, "hexahedron": 12}
+MEMORY_PER_BYTE, MEMORY_OF_LIBRARY = 20, 1_000_000_000
+"""Bytes of memory for each byte of a file, and besides; what is packed may be larger than it says."""
 OWN_ARRAYS = ("cell_number", "body_id")  # of `write_vtu`, which are no sets
 GROUPS = ("gmsh:physical", "medit:ref")
 """Numbers of groups of cells, which may have names."""
@@ -79,11 +82,13 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     file = Path(path)
     if not is_file(file):
         raise InputError(f"mesh {file}: there is no such file", "a file that exists", "correct the path")
-    if not file.stat().st_size:
+    size = file.stat().st_size
+    if not size:
         raise InputError(f"{file}, which is empty", "a mesh", "export it again")
+    refuse_beyond_memory(f"reading {file}", MEMORY_PER_BYTE * size)
     try:
         with located(f"{file}: ", unless=str(file)):
-            drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
+            drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file, size)
             return repaired_mesh(drawn, merge_points=merge_points)
     except OSError as reason:
         raise InputError(
@@ -91,7 +96,7 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
         ) from reason
 
 
-def _read_meshio(file: Path) -> DrawnMesh:
+def _read_meshio(file: Path, size: int) -> DrawnMesh:
     import meshio  # noqa: PLC0415  (slow to import, and few programs read files)
 
     suffix = "".join(file.suffixes[-2:]).lower()
@@ -104,6 +109,10 @@ def _read_meshio(file: Path) -> DrawnMesh:
     kind = "gmsh" if suffix == ".msh" and start.startswith(b"$MeshFormat") else known[suffix][0]
     gmsh_readers = meshio.gmsh.main._readers
     gmsh_readers["4"] = gmsh_readers["4.0"]  # as Gmsh writes it, and the library does not
+    if kind in ("gmsh", "medit"):
+        count = re.search(rb"^[ \t]*\d{%d,}[ \t]*\r?$" % (1 + len(str(size))), file.read_bytes(), re.MULTILINE)
+        if count is not None:  # the library would wait for so many lines
+            raise InputError(f"{file} with a count of {short(count[0].decode())}", f"{size} bytes or less", "repair it")
     printed_text = io.StringIO()
     try:
         # meshio prints faults on the console and ends the program on some
@@ -111,6 +120,7 @@ def _read_meshio(file: Path) -> DrawnMesh:
             contextlib.redirect_stdout(printed_text),
             contextlib.redirect_stderr(printed_text),
             np.errstate(all="ignore"),
+            memory_limited(MEMORY_OF_LIBRARY + MEMORY_PER_BYTE * size),
         ):
             read = meshio.read(file, file_format=kind)
     except (Exception, SystemExit) as reason:  # of any kind in a broken file
@@ -149,7 +159,7 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
             continue
         rows = np.asarray(given.data) if not given.type.startswith("polyhedron") else np.zeros((0, 0))
         n_corners = _CORNERS.get(given.type, rows.shape[1] if given.type == "polygon" else 0)
-        if not n_corners:
+        if not n_corners or rows.shape[1] < n_corners:
             raise InputError(
                 f"{len(given.data)} cells of the kind {given.type}",
                 "triangles, quadrilaterals and polygons in the plane",

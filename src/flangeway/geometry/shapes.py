@@ -127,7 +127,7 @@ def _fillet(before: Point, corner: Point, after: Point, radius: float, name: str
     u, v = np.subtract(before, corner), np.subtract(after, corner)
     u, v = u / norms(u), v / norms(v)
     turn = float(u[1] * v[0] - u[0] * v[1])
-    half_angle = 0.5 * math.acos(float(np.clip(u @ v, -1.0, 1.0)))
+    half_angle = 0.5 * math.atan2(abs(turn), float(u @ v))
     if abs(turn) < 1e-9:
         raise InputError(
             f"{point_text(corner)}: radius {radius:g} where there is no corner", "a radius at a corner", "remove it"

@@ -25,6 +25,9 @@ from flangeway.types import Floats, Key
 MAX_BYTES = 50_000_000
 COMMA_NUMBER = re.compile(r"[+-]?\d*,\d*(?:[eE][+-]?\d+)?")
 MAX_DEPTH = 50  # tables and lists inside of each other; no input has more than ten
+_NAME = r"(?:[\w-]+|\"[^\"]*\"|'[^']*')"
+_PART = r"(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+"  # of a name with points, without ways back
+_LONG_NAME = re.compile(rf"(?<![\w-]){_PART}(?:\.[ \t]*+{_PART}){{{MAX_DEPTH}}}")
 
 
 def is_file(path: Path) -> bool:
@@ -163,6 +166,8 @@ def packaged_text(package: str, name: str) -> str:
 def toml_data(text: str, lines: str) -> dict[str, Any]:
     """Return the data of a text in TOML; the `InputError` of a wrong one shows `lines`: "lines such as ..."."""
     try:
+        if _LONG_NAME.search(text):  # tables inside of each other take the square of their number
+            raise RecursionError
         data = tomllib.loads(text)
         if _depth(data) <= MAX_DEPTH:
             return data
@@ -195,7 +200,6 @@ def _depth(data: dict[str, Any]) -> int:
 MAX_TOML_BYTES = 5_000_000
 
 _HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
-_NAME = r"(?:[\w-]+|\"[^\"]*\"|'[^']*')"
 _KEY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
 
 

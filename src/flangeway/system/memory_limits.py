@@ -8,6 +8,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,22 @@ def refuse_beyond_memory(work: str, needed: int) -> None:
         return
     if needed > memory_left():
         raise out_of_memory(work, needed)
+
+
+@contextmanager
+def memory_limited(n_bytes: int) -> Iterator[None]:
+    """Let this process take up to so many bytes more, where the system can say so; a `MemoryError` beyond."""
+    resource = system_module("resource")
+    if resource is None:
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    limit = psutil.Process().memory_info().vms + n_bytes
+    resource.setrlimit(resource.RLIMIT_AS, (limit if soft == resource.RLIM_INFINITY else min(limit, soft), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 def refuse_large_mesh(work: str, needed: int) -> None:

@@ -131,6 +131,7 @@ JUMP_MM = 0.3  # shortest jump of a point of contact along the wheel that is rep
 PATH_MM = 40.0
 """Lateral displacement at the rails' height to which positions are followed, if no larger one is asked for."""
 
+MAX_REACH_MM = 300.0  # lateral displacement beyond which no wheel is over its rail
 PATH_STEP_MM = 0.1  # distance of these positions
 _FLANGE_MM = 30.0  # further lateral displacement at the rails' height that is searched, while the flange climbs
 _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
@@ -499,7 +500,7 @@ class RigidGeometry:
 
     def _followed(self, reach_mm: float) -> TouchingPositions:
         """Follow the path of contact: coarsely first, for the rolls to begin with."""
-        n_side = max(int(np.ceil(reach_mm / PATH_STEP_MM)), 1) + 1
+        n_side = max(int(np.ceil(min(reach_mm, MAX_REACH_MM) / PATH_STEP_MM)), 1) + 1
         level = np.arange(-n_side + 0.5, n_side) * PATH_STEP_MM
         over = self._over_rails(level)
         # a margin for the part of the lateral displacement that roll adds at the axle's height
