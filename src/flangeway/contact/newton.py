@@ -429,8 +429,8 @@ class _Run:
         return max(*(float(np.abs(vector).max(initial=0.0)) for vector in ways), 1e-300)
 
     def _gaps(self, lin: ContactLinearisation) -> Floats:
-        """Gaps less what the corrected forces press in."""
-        return lin.gaps - self._compliances(lin) * self._anchored(self.anchor[1], lin)
+        """Gaps less what the corrected forces press in, and with what the laws' tangents press in without force."""
+        return lin.gaps + lin.offsets - self._compliances(lin) * self._anchored(self.anchor[1], lin)
 
     def _compliances(self, lin: ContactLinearisation) -> Floats:
         """Penetration for each force, by the penalty that has grown with the corrections of the forces, (m,)."""

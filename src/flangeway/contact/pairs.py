@@ -145,13 +145,20 @@ class Pairing(ABC):
 class Enforcement(ABC):
     """Relation of the force of a constraint to its penetration.
 
-    The force of a closed constraint is its penetration over its compliance. Where the compliance depends on the gap,
-    it is taken anew at each iteration (a secant).
+    About the gaps of an iteration the penetration is ``offset + compliance * force`` with the law's own derivative.
     """
 
     @abstractmethod
     def compliances(self, pairs: Pairs) -> Floats:
-        """Penetration per force of each constraint, shape (m,); 0 where none is allowed."""
+        """Derivative of the penetration by the force of each constraint, shape (m,); 0 where none is allowed."""
+
+    def offsets(self, pairs: Pairs) -> Floats:
+        """Penetration at which the law's tangent has no force, shape (m,): 0 where the law is a line through zero.
+
+        With the penetration d, the force F(d) and its derivative F', the compliance is ``1 / F'`` and this is
+        ``d - F / F'``.
+        """
+        return np.zeros(len(pairs.keys))
 
     def barriers(self, pairs: Pairs) -> Floats:
         """Force times gap w of each constraint, and the gap r from which there is no force, shape (m, 2).

@@ -198,8 +198,8 @@ class ContactLinearisation:
         What each constraint is against, shape (m,); a change starts a new linear piece.
     gaps
         Gaps, open where positive, shape (m,).
-    compliances
-        Penetration for each force, shape (m,).
+    compliances, offsets
+        Derivative of the penetration by each force, and penetration at which the law's tangent has none, each (m,).
     barriers
         Force times gap of a barrier, and its reach, shape (m, 2): 0 and infinite where there is none.
     tolerances
@@ -222,6 +222,7 @@ class ContactLinearisation:
     partners: Ints
     gaps: Floats
     compliances: Floats
+    offsets: Floats
     barriers: Floats
     tolerances: Floats
     coefficients: Floats
@@ -517,8 +518,11 @@ class ContactSystem:
         law = solved.contact.enforcement
         given = law.tolerance() if solved.forces.any() else 0.0
         if not np.isfinite(given):
-            compliances = np.concatenate([law.compliances(part) for part in solved.pairs.parts])
-            given = float((compliances * solved.forces).max(initial=0.0))
+            parts = solved.pairs.parts
+            compliances, offsets = (
+                np.concatenate([of(part) for part in parts]) for of in (law.compliances, law.offsets)
+            )
+            given = float((compliances * solved.forces + offsets)[solved.forces > 0.0].max(initial=0.0))
         size = min(part.body.size for part in solved.contact.parts)
         return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * size
 
@@ -603,6 +607,7 @@ class ContactSystem:
             np.concatenate([_shifted(p.partners, self._first_edge[i]) for i, p in enumerate(all_pairs)]),
             np.concatenate([pairs.gaps for pairs in all_pairs]),
             np.concatenate([law.compliances(part) for law, part in zip(laws, parts, strict=True)]),
+            np.concatenate([law.offsets(part) for law, part in zip(laws, parts, strict=True)]),
             np.concatenate([law.barriers(part) for law, part in zip(laws, parts, strict=True)]),
             np.repeat([law.tolerance() for law in laws], np.diff(starts)),
             np.repeat([contact.friction_coefficient for contact in self.contacts], [len(p.keys) for p in all_pairs]),
