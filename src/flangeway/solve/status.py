@@ -183,6 +183,8 @@ def is_at_round_off(history: Sequence[Iteration]) -> bool:
 
 FEW_ITERATIONS = 8
 MANY_ITERATIONS = 15
+HELPFUL_DECREASE = 0.75
+"""Iterations of a step relative to those of the last one that was halved for their number, up to which that helped."""
 SMALL_ERROR = 0.2
 """Error of a step, relative to its limit, below which the next one is longer: that of a step grows with its square."""
 
@@ -244,8 +246,8 @@ def follow(
     """Follow a solution along a path from 0 (excluded) to 1.
 
     A step that needed few iterations, and whose error is far below its limit, is followed by one of twice its length,
-    one that needed many by one of half; a step that failed, or whose error is too large, is tried again at half its
-    length from the last solution.
+    one that needed many by one of half, as long as that lowers their number; a step that failed, or whose error is too
+    large, is tried again at half its length from the last solution.
 
     Parameters
     ----------
@@ -268,7 +270,7 @@ def follow(
 
     """
     settings = settings or StepSettings()
-    state, position, size = start, 0.0, settings.first
+    state, position, size, at_halving = start, 0.0, settings.first, np.inf
     attempt: State | None = None
     maximum_total = 0.0
     while True:
@@ -299,8 +301,10 @@ def follow(
             return state
         if max(state.status.iterations for _, state in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:
             size = min(2.0 * size, settings.maximum)
-        elif state.status.iterations > MANY_ITERATIONS:
-            size /= 2.0
+        elif MANY_ITERATIONS < state.status.iterations <= HELPFUL_DECREASE * at_halving:
+            size, at_halving = size / 2.0, state.status.iterations
+        elif state.status.iterations <= MANY_ITERATIONS:
+            at_halving = np.inf
 
 
 def _total(state: PathState, other: PathState | None = None) -> float:
