@@ -121,7 +121,7 @@ class PressurePatch(Result):
     @property
     def remark(self) -> str | None:
         """Why its pressures are not reliable, see `pressure_remark`."""
-        return AT_CORNER if self.corner else pressure_remark(self.n_segments, self.oscillation)
+        return pressure_remark(self.n_segments, self.oscillation) or (AT_CORNER if self.corner else None)
 
     @property
     def half_width(self) -> float:
