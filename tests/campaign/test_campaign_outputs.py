@@ -5,7 +5,9 @@ import io
 import json
 import re
 import sqlite3
+import struct
 from collections import Counter
+from concurrent.futures import Future
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +17,7 @@ import pytest
 
 from flangeway.campaign import Campaign, CampaignProgress, campaign_run, results
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.campaign_run import Chunk, compute
+from flangeway.campaign.campaign_run import Chunk, Outcome, compute
 from flangeway.campaign.database import CampaignDatabase, RowResult, export_writers
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.errors import InputError
@@ -24,6 +26,7 @@ from flangeway.report.campaign_outputs import campaign_record, write_export
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import print_record
 from flangeway.system.disk_cache import LatestValues
+from flangeway.system.output_folder import versions
 from tests.campaign.conftest import computed, read
 
 SWEEP = """
@@ -282,17 +285,85 @@ def test_deleted_rows_are_computed_again(database: Path) -> None:
     assert exported(database) == before
 
 
-@pytest.mark.parametrize("cell", ["'1.2.3'", "x'00ff'"])
-def test_a_broken_number_is_refused(database: Path, cell: str) -> None:
-    """The message names the row and the column."""
-    column = next(name for name in results(database).rows if "torsion_constant" in name)
-    with closing(sqlite3.connect(database)) as connection:
-        (kept,) = connection.execute(f'SELECT "{column}" FROM rows WHERE "row" = 1').fetchone()
-    change(database, f'UPDATE rows SET "{column}" = {cell} WHERE "row" = 1')
-    with pytest.raises(InputError, match=f"row 1 .*{column}"):
-        results(database)
-    change(database, f'UPDATE rows SET "{column}" = {kept!r} WHERE "row" = 1')
-    assert results(database).is_done
+def test_a_changed_bit_does_not_reach_the_table(database: Path) -> None:
+    """Of any bit of a row or a patch that changes in the file, the row is refused, and computed anew to the last byte.
+
+    Bits of numbers, statuses and messages are changed at random.
+    """
+    before, random = exported(database), np.random.default_rng(3)
+    for _ in range(6):
+        with closing(sqlite3.connect(database)) as connection:
+            row, *cells = connection.execute("SELECT * FROM rows ORDER BY random() LIMIT 1").fetchone()
+            names = [name for _, name, *_ in connection.execute("PRAGMA table_info(rows)")][1:]
+            given = [(name, cell) for name, cell in zip(names, cells, strict=True) if isinstance(cell, float | str)]
+            name, cell = given[random.integers(len(given))]
+            if isinstance(cell, float):
+                (bits,) = struct.unpack("<Q", struct.pack("<d", cell))
+                changed = struct.unpack("<d", struct.pack("<Q", bits ^ (1 << int(random.integers(64)))))[0]
+            else:
+                at = int(random.integers(len(cell)))
+                changed = f"{cell[:at]}{chr(ord(cell[at]) ^ 1)}{cell[at + 1 :]}"
+            connection.execute(f'UPDATE rows SET "{name}" = ? WHERE "row" = ?', (changed, row))
+            connection.commit()
+        with pytest.raises(InputError, match=rf"row {row}\b"):
+            results(database)
+        computed(database.parent, CAMPAIGN)
+        assert exported(database) == before, name
+
+
+def test_a_changed_patch_is_computed_anew(sweep, tmp_path: Path) -> None:
+    """A number of a patch belongs to the checksum of its row."""
+    computed(tmp_path, SWEEP.replace("n = 12", "n = 2"))
+    before = results(tmp_path / "c.sqlite").patches
+    change(tmp_path / "c.sqlite", "UPDATE patches SET max_pressure_MPa = 1.0 WHERE \"row\" = 2 AND side = 'left'")
+    with pytest.raises(InputError, match="row 2"):
+        results(tmp_path / "c.sqlite")
+    assert computed(tmp_path, SWEEP.replace("n = 12", "n = 2"))[1].patches == before
+
+
+def test_an_empty_file_is_a_campaign_that_begins(tmp_path: Path, call) -> None:
+    """A database without a byte, as a full disk leaves it, is made anew by the command."""
+    (tmp_path / "c.toml").write_text(CAMPAIGN)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "campaign.sqlite").touch()
+    status, _, error = call("campaign", "c.toml", "--out", "out", "--workers", "1", "--no-pictures", "-q")
+    assert status == 0, error
+    assert results(tmp_path / "out" / "campaign.sqlite").is_done
+
+
+class Here:
+    """Workers that are this thread, each work done when it is asked for."""
+
+    n_at_once = 1
+
+    def submit(self, work):
+        done = Future()
+        done.set_result(campaign_run.compute(work))
+        return done
+
+    def result(self, future):
+        return future.result()
+
+    def stop(self):
+        pass
+
+
+def test_each_row_is_stored_as_it_ends(monkeypatch, tmp_path: Path) -> None:
+    """Of rows with the same bodies each one is in the file before the next one begins, in their order."""
+    stored: list[int] = []
+
+    def one(chunk):
+        assert len(chunk.rows) == 1
+        if (tmp_path / "c.sqlite").is_file():
+            stored.append(results(tmp_path / "c.sqlite").rows["status"].count("converged"))
+        return Outcome((RowResult("converged", "done"),), versions()["flangeway"])
+
+    monkeypatch.setattr(campaign_run, "compute", one)
+    monkeypatch.setattr(campaign_run, "LocalWorkers", lambda *_: Here())
+    campaign = read(tmp_path, FILE.replace("[-1.0, 1.0]", "{ from = -3, to = 3, n = 13 }"))
+    assert max(len(rows) for _, rows in campaign.chunks) > 1
+    campaign_run.run_campaign(campaign, tmp_path / "c.sqlite", workers=1)
+    assert stored == list(range(26))
 
 
 FILE = """

@@ -72,6 +72,38 @@ def test_damage_is_noticed_and_made_anew(cache: Cache, damage: str) -> None:
     assert len(made) == 1
 
 
+@pytest.mark.parametrize("change", ["numbers", "shape", "type", "name", "more", "bare", "of another key"])
+def test_an_archive_of_other_content_is_made_anew(cache: Cache, change: str) -> None:
+    """A whole archive that does not hold what was stored under its key is removed, and made anew."""
+    right = {"remainder": np.arange(12.0).reshape(3, 4)}
+    cache.store("some", right)
+    (path,) = cache.folder.iterdir()
+    with np.load(path) as archive:
+        stored = dict(archive)
+    values = stored["remainder"]
+    others: dict[str, dict[str, np.ndarray]] = {
+        "numbers": stored | {"remainder": 1.001 * values},
+        "shape": stored | {"remainder": values.reshape(4, 3)},
+        "type": stored | {"remainder": values.astype(np.float32)},
+        "name": {name.replace("remainder", "other"): value for name, value in stored.items()},
+        "more": stored | {"more": values},
+        "bare": right,
+    }
+    if change == "of another key":
+        cache.store("another", {"remainder": -values})
+        path.with_name(path.name.replace("some", "another")).replace(path)
+    else:
+        with path.open("wb") as file:
+            np.savez(file, allow_pickle=False, **others[change])
+    with pytest.warns(CacheWarning, match="damaged"):
+        found = cache.get("some", lambda: right)
+    assert set(found) == {"remainder"}
+    np.testing.assert_array_equal(found["remainder"], right["remainder"])
+    again = cache.load("some")
+    assert again is not None
+    np.testing.assert_array_equal(again["remainder"], right["remainder"])
+
+
 WRITER = """
 import sys
 from pathlib import Path

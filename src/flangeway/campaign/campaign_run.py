@@ -5,7 +5,8 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -183,10 +184,13 @@ class _Run:
 
     def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
         waiting = store.waiting()
-        # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
-        self.chunks = deque(
-            Chunk(rows, first) for first, rows in campaign.chunks if any(row.number in waiting for row in rows)
-        )
+        self.chunks: deque[Chunk] = deque()
+        # by the number of a row, the next one of its chunk: the worker that has the bodies becomes free for it
+        self._following: dict[int, Chunk] = {}
+        for first, rows in campaign.chunks:
+            chunks = [Chunk((row,), first) for row in rows if row.number in waiting]
+            self.chunks.extend(chunks[:1])
+            self._following |= {chunk.rows[0].number: after for chunk, after in pairwise(chunks)}
         self._store, self._progress = store, progress
         self._n_rows, self._n_before = len(campaign.rows), len(campaign.rows) - len(waiting)
         self._start = time.monotonic()
@@ -194,9 +198,11 @@ class _Run:
         self.report()
 
     def go(self, workers: Workers[Chunk, Outcome]) -> None:
-        """Have all chunks computed and stored; of one that its worker dies of the rows alone, and such a row fails."""
+        """Have all rows computed and each stored as it ends; a row of which its worker dies fails."""
         version = versions()["flangeway"]
         for chunk, outcome in computed(workers, self.chunks):
+            if chunk.rows[-1].number in self._following:
+                self.chunks.appendleft(self._following.pop(chunk.rows[-1].number))
             if isinstance(outcome, Outcome):
                 if outcome.version != version:
                     raise InputError(
@@ -205,8 +211,6 @@ class _Run:
                         "install the same version on all machines, and start the workers again",
                     )
                 self._keep(chunk.rows, outcome.results)
-            elif len(chunk.rows) > 1:
-                self.chunks.extendleft(replace(chunk, rows=(row,)) for row in reversed(chunk.rows))
             else:
                 self._keep(chunk.rows, [RowResult("failed", f"the worker died that computed this row: {outcome}")])
 

@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
 from flangeway.cases.case import RunnableCase
+from flangeway.cases.case_file import hash_of
 from flangeway.cases.summary import RunResult, plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
@@ -71,13 +73,10 @@ def as_cell(value: Any) -> Value:
 # --- The SQLite file of a campaign: its rows, their results and its progress; and both as tables, for other programs.
 
 
-FORMAT = "flangeway campaign 1"
+FORMAT = "flangeway campaign 2"
 WAITING = "waiting"
 STATUSES = (WAITING, "converged", "not converged", "failed")
-TEXTS = ("message", "_remark", "side", "region")
-"""Ends of the names of columns with text."""
-
-OWN_COLUMNS = ("row", "identity", "status", "message", "warnings")
+OWN_COLUMNS = ("row", "identity", "status", "message", "warnings", "checksum")
 
 Columns = dict[str, list[Value]]
 FORMATS = ("csv", "parquet")
@@ -85,7 +84,7 @@ FORMATS = ("csv", "parquet")
 _TABLES = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE rows ("row" INTEGER PRIMARY KEY, identity TEXT NOT NULL UNIQUE, status TEXT NOT NULL,
-                   message TEXT, warnings TEXT);
+                   message TEXT, warnings TEXT, checksum TEXT);
 CREATE TABLE patches ({patches}, PRIMARY KEY ("row", side, number));
 CREATE TABLE sentences (text TEXT PRIMARY KEY, us TEXT NOT NULL);
 CREATE TABLE timings ("row" INTEGER PRIMARY KEY, seconds REAL NOT NULL, finished TEXT NOT NULL);
@@ -108,7 +107,7 @@ class CampaignDatabase:
         with ExitStack() as opened:
             self._lock = opened.enter_context(_locked(path))
             try:
-                self._connection = opened.enter_context(closing(sqlite3.connect(path, isolation_level=None)))
+                self._connection = opened.enter_context(closing(_connected(path)))
                 try:
                     refuse_other_file(self._connection, path)
                 except sqlite3.DatabaseError as reason:  # a damaged file
@@ -118,7 +117,7 @@ class CampaignDatabase:
                     self._connection.close()
                     for ending in ("-wal", "-shm", ""):
                         path.with_name(path.name + ending).unlink(missing_ok=True)
-                    self._connection = opened.enter_context(closing(sqlite3.connect(path, isolation_level=None)))
+                    self._connection = opened.enter_context(closing(_connected(path)))
                 self._connection.execute("PRAGMA journal_mode=WAL")
                 self._connection.execute("PRAGMA synchronous=FULL")
             except sqlite3.Error as reason:
@@ -141,8 +140,10 @@ class CampaignDatabase:
             self._create(campaign)
         elif stored == campaign.identity:
             with self._transaction():
+                damaged = [(row,) for row in _checksums(self._connection, damaged=True)]
+                self._connection.executemany("DELETE FROM rows WHERE row = ?", damaged)
                 self._insert_rows(campaign)
-                for table in ("patches", "timings"):  # what is left of rows that somebody has deleted
+                for table in ("patches", "timings"):  # what is left of rows that somebody has deleted, or damaged
                     self._connection.execute(
                         f'DELETE FROM {table} WHERE "row" IN (SELECT "row" FROM rows WHERE status = ?)', (WAITING,)
                     )
@@ -171,7 +172,7 @@ class CampaignDatabase:
             return [result.status for row, result in zip(rows, results, strict=True) if self._store(row, result)]
 
     def _store(self, row: Row, result: RowResult) -> bool:
-        values = {name: value for name, value in result.values.items() if name not in row.varied}
+        values = {**result.values, **{key: as_cell(value) for key, value in row.varied.items()}}
         known = self._columns()
         for name in values:
             if name.lower() not in known:
@@ -192,6 +193,8 @@ class CampaignDatabase:
         self._connection.execute(
             "INSERT INTO timings VALUES (?, ?, strftime('%Y-%m-%dT%H:%M:%fZ'))", (row.number, result.seconds)
         )
+        checksum = _checksums(self._connection, only=row.number)[row.number]
+        self._connection.execute("UPDATE rows SET checksum = ? WHERE row = ?", (checksum, row.number))
         return True
 
     def _create(self, campaign: Campaign) -> None:
@@ -260,6 +263,12 @@ class CampaignDatabase:
             self._connection.execute("COMMIT")
         except sqlite3.Error as reason:
             raise unusable(self.path, reason) from reason
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.text_factory = partial(str, encoding="utf-8", errors="replace")  # a damaged text has another checksum
+    return connection
 
 
 def quoted(name: str) -> str:
@@ -397,7 +406,7 @@ def results(database: str | Path) -> CampaignTable:
     if not path.is_file():
         raise InputError(f"database {path}, which is not there", "the file of a campaign", "run the campaign first")
     try:
-        with closing(sqlite3.connect(path)) as connection:
+        with closing(_connected(path)) as connection:
             refuse_other_file(connection, path)
             facts = dict(connection.execute("SELECT key, value FROM meta"))
             keys = tuple(json.loads(facts["keys"]))
@@ -408,34 +417,52 @@ def results(database: str | Path) -> CampaignTable:
             # files of earlier versions have none
             query = "SELECT text, us FROM sentences" if _names(connection, "sentences") else "SELECT '', ''"
             sentences = dict(connection.execute(query))
-        _refuse_broken({name: cells for name, cells in rows.items() if name not in keys})
-        _refuse_broken(patches)
+            damaged = _checksums(connection, damaged=True)
     except (sqlite3.Error, KeyError, ValueError) as reason:
         raise unusable(path, reason) from reason
+    if damaged:
+        raise InputError(
+            f"database {path}: the numbers of row {', '.join(map(str, damaged))} are not those that were stored",
+            "the file as a campaign wrote it",
+            "run the campaign again: it computes these rows anew",
+        )
     return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches, sentences)
 
 
 def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
     """Columns in an order that does not depend on the order in which rows were done."""
-    own_names = [name for name in OWN_COLUMNS if name != "identity"]
+    own_names = [name for name in OWN_COLUMNS if name not in ("identity", "checksum")]
     others = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
     if f"{SIDES[0]}_n_patches" not in names:  # those of wheelsets are in their order already
         others.sort()
     return [*own_names[:2], *keys, *(columns or others), *own_names[2:]]
 
 
-def _refuse_broken(columns: Columns) -> None:
-    """Raise a `ValueError` for cells that no row has stored, and for text in columns of numbers."""
-    for name, cells in columns.items():
-        for row, cell in zip(columns["row"], cells, strict=True):
-            if name == "status":
-                correct = cell in STATUSES
-            elif name == "warnings":
-                correct = cell is None or isinstance(json.loads(str(cell)), list)
-            else:
-                correct = not isinstance(cell, str | bytes) or name.endswith(TEXTS)
-            if not correct:
-                raise ValueError(f"row {row} has {cell!r} in the column {name}")
+def _checksums(connection: sqlite3.Connection, *, damaged: bool = False, only: int | None = None) -> dict[int, str]:
+    """Checksums of rows with a result and their patches, by their numbers.
+
+    - `damaged`: whether those that have the stored checksum are left out.
+    - `only`: number of the one row that is looked at.
+    """
+    where = "" if only is None else f' WHERE "row" = {only:d}'
+    patches: dict[Any, list[Any]] = {}
+    for patch in _contents(connection, f"SELECT * FROM patches{where} ORDER BY side, number"):
+        patches.setdefault(patch["row"], []).append(patch)
+    checksums = {}
+    for row in _contents(connection, f"SELECT * FROM rows{where}"):
+        stored, number = row.pop("checksum", None), int(row["row"] or 0)
+        checksum = hash_of(repr([row, patches.get(number)]))
+        if row["status"] != WAITING and not (damaged and checksum == stored):
+            checksums[number] = checksum
+    return checksums
+
+
+def _contents(connection: sqlite3.Connection, query: str) -> Iterator[dict[str, Value]]:
+    """Cells of rows by their columns, without those that are empty: other rows may add columns."""
+    cursor = connection.execute(query)
+    names = sorted((name, at) for at, (name, *_) in enumerate(cursor.description))
+    for cells in cursor:
+        yield {name: cells[at] for name, at in names if cells[at] is not None}
 
 
 def _columns(connection: sqlite3.Connection, table: str, names: list[str], order: str) -> Columns:

@@ -22,16 +22,18 @@ from flangeway.system.output_folder import version_of
 #
 # ``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in `cache_parent`.
 # ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file is an archive
-# of NumPy, which has a checksum of each array (CRC-32) that reading verifies. It is written under another name and then
-# renamed, so that no process sees half of it; a damaged one is noticed, removed and made anew. Nothing is ever wrong
-# for lack of a cache: where the disk refuses, all is computed.
+# of NumPy with a hash of its key and arrays, which reading verifies. It is written under another name and then renamed,
+# so that no process sees half of it; one that is damaged, or not what was stored under its key, is noticed, removed and
+# made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
 
 
 Arrays = Mapping[str, NDArray[Any]]
 
-FORMAT = 3  # rises when what is stored, or how it is computed, changes within one version of the package
+FORMAT = 4  # rises when what is stored, or how it is computed, changes within one version of the package
 
 SUFFIX = ".arrays"
+HASH = "hash"
+"""Name of the hash among the arrays of a file."""
 DEFAULT_MB = 2000.0
 PARTIAL = ".partial"
 
@@ -72,6 +74,8 @@ class Cache:
         try:
             with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 arrays = {name: stored[name] for name in stored.files}
+            if arrays.pop(HASH).tobytes() != _hash(key, arrays):
+                raise ValueError("other numbers than were stored")
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -95,7 +99,9 @@ class Cache:
             handle, name = tempfile.mkstemp(dir=self.folder, suffix=PARTIAL)
             try:
                 with os.fdopen(handle, "wb") as file:
-                    np.savez(file, allow_pickle=False, **arrays)
+                    stored = {name: np.asarray(values) for name, values in arrays.items()}
+                    hashed = {HASH: np.frombuffer(_hash(key, stored), dtype=np.uint8)}
+                    np.savez(file, allow_pickle=False, **stored, **hashed)
                 Path(name).replace(self._path(key))
             except BaseException:
                 Path(name).unlink(missing_ok=True)
@@ -140,6 +146,12 @@ def content_key(kind: str, *parts: object) -> str | None:
     if not all(_add(digest, part) for part in parts):
         return None
     return f"{kind}-{digest.hexdigest()}"
+
+
+def _hash(key: str, arrays: Arrays) -> bytes:
+    digest = hashlib.sha256()
+    _add(digest, (key, *sorted(arrays), *(arrays[name] for name in sorted(arrays))))
+    return digest.digest()
 
 
 def _add(digest: "hashlib._Hash", part: object) -> bool:
