@@ -150,7 +150,7 @@ def test_a_row_that_kills_its_workers_fails_with_the_reason_and_the_rest_goes_on
     )
     synthetic("c.toml", "c.sqlite")
     rows, _ = tables(tmp_path / "c.sqlite")
-    reported = {row[5]: (row[2], row[3]) for row in rows}
+    reported = {row[6]: (row[2], row[3]) for row in rows}
     assert [reported[a][0] for a in (1, 2, 4, 6, 8)] == ["converged"] * 5
     assert reported[3][0] == "failed"
     assert "worker died" in reported[3][1]

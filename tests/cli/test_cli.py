@@ -16,6 +16,8 @@ from matplotlib.image import imread
 from flangeway import cli
 from flangeway.cases import CASES, WheelsetTangentCase, load_case
 from flangeway.cases.case_file import CASE_FILES, file_title
+from flangeway.railway.profiles.bundled import SECTIONS
+from flangeway.report import command_line
 from tests.processes import started
 
 
@@ -206,3 +208,42 @@ def test_section_of_a_file(call, tmp_path):
     for name in FILES:
         if name.endswith(".png"):
             assert min(imread(folder / name).shape[:2]) > 400
+
+
+@pytest.mark.parametrize(
+    ("key", "first"),
+    [("theory", "rolling_theory"), ("wheell", "wheel"), ("zzzqq", None), ("cells", "patch_cells")],
+)
+def test_an_unknown_input_names_similar_ones(call, key, first):
+    """Of 86 inputs a message has at most five, the one that contains the word first, and the command that lists all."""
+    status, _, error = call("run", "wheelset", "--set", f"{key}=1")
+    assert status == 2
+    line = next(line for line in error.splitlines() if line.strip().startswith("allowed"))
+    names = line.partition("inputs of wheelset: ")[2].split(", ")
+    assert names[-1].startswith("`flangeway cases wheelset`")
+    assert len(names) <= 6
+    if first:
+        assert names[0] == first
+        assert f"did you mean {first}?" in error
+
+
+@pytest.mark.parametrize(("file", "option"), [("w.whl", "--wheel"), ("w.prw", "--wheel"), ("r.ban", "--rail")])
+def test_run_of_a_profile_advises_the_command_that_runs_it(call, tmp_path, file, option):
+    """The advised command, with a profile that exists, is a case in three dimensions with this wheel or rail."""
+    status, _, error = call("run", file)
+    assert status == 2
+    assert f"flangeway run wheelset {option} {file}" in error
+    name = {"--wheel": "wheel", "--rail": "rail"}[option]
+    status = call("run", "wheelset", option, "nonsense", "--out", "out")[0]
+    assert status == 2
+    assert not (tmp_path / "out").exists()
+    assert command_line(load_case("wheelset", **{name: "60E2" if name == "rail" else "AAR-1B"})).startswith(
+        f"flangeway run wheelset {option} "
+    )
+
+
+def test_help_of_sections_names_all_bundled_ones(call):
+    """Every section that is bundled is in the help."""
+    help_text = call("section", "--help")[1]
+    for name in SECTIONS:
+        assert name in help_text

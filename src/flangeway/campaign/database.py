@@ -306,6 +306,15 @@ def refuse_other_file(connection: sqlite3.Connection, path: Path) -> None:
         raise InputError(f"database {path}, which contains {what}", repr(FORMAT), "choose another folder with --out")
 
 
+def refuse_unusable(path: Path) -> None:
+    """Refuse a file that is no database, or another one than of a campaign; see `refuse_other_file`."""
+    try:
+        with closing(_connected(path)) as connection:
+            refuse_other_file(connection, path)
+    except sqlite3.Error as reason:
+        raise unusable(path, reason) from reason
+
+
 def _locked(path: Path) -> IO[bytes]:
     """Lock a file beside the database; the system unlocks it when this process ends, however it ends."""
     beside = path.with_name(f"{path.name}.lock")

@@ -57,6 +57,8 @@ RENAMED = {
     "largest_amplitude_mm": "maximum_amplitude_mm",
 }
 """Keys of earlier versions, and what they are called now: the error for an old key names the new one."""
+MAX_LISTED, MAX_SIMILAR = 20, 5  # inputs that a message lists; of more only the similar ones
+MIN_LETTERS_OF_PART = 3  # of a word that is looked for inside of others
 MAX_REPORTED = 5  # errors in one message; of the others only the number is given
 MAX_NUMBER = 1e30  # no length, force or modulus is larger in its unit
 
@@ -462,8 +464,15 @@ def table_in(annotation: Any) -> type[Table] | None:
 
 def closest(word: str, known: list[str]) -> str:
     """Advice that names the known word most like the given one."""
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean {near[0]}?" if near else "choose one of these"
+    names = similar(word, known)
+    return f"did you mean {names[0]}?" if names else "choose one of these"
+
+
+def similar(word: str, known: Iterable[str]) -> list[str]:
+    """Known words that contain a word or are spelled like it, the most similar first."""
+    known = [*known]
+    containing = [name for name in known if len(word) >= MIN_LETTERS_OF_PART and word.lower() in name.lower()]
+    return list(dict.fromkeys([*containing, *difflib.get_close_matches(word, known, n=MAX_SIMILAR, cutoff=0.6)]))
 
 
 def require_known(key: str, name: str, known: Collection[str], what: str = "") -> None:
@@ -564,7 +573,7 @@ def _input_error(
         else:
             inside = key_text(key[:-1])
             text = f"{where(key)}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
-            names, advice = _known_inputs(table, last, in_us=values.get("units") == "us")
+            names, advice = _known_inputs(case, table, last, in_us=values.get("units") == "us")
             faults[key] = text, f"the inputs of {inside or case.called()}: {names}", advice
     given_texts, allow, advices = zip(*[*faults.values()][:MAX_REPORTED], strict=True)
     more = [f"and {len(faults) - MAX_REPORTED} more"] if len(faults) > MAX_REPORTED else []
@@ -573,14 +582,22 @@ def _input_error(
     )
 
 
-def _known_inputs(table: type[Table], unknown: str, *, in_us: bool) -> tuple[str, str]:
-    """Names of the inputs of a table, in a system of units, and advice that names the one most like an unknown one."""
+def _known_inputs(case: type[Table], table: type[Table], unknown: str, *, in_us: bool) -> tuple[str, str]:
+    """Names of the inputs of a table, in a system of units, and advice that names the one most like an unknown one.
+
+    Of many only those that are similar, and the command that lists all.
+    """
     known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
     us = {name: unit.name for name in known if (unit := us_key(name))}
     shown = [us.get(name, name) for name in known] if in_us else known
     if RENAMED.get(unknown) in known:
         return ", ".join(shown), f"{unknown} is now {RENAMED[unknown]}"
-    return ", ".join(shown), closest(unknown, shown if in_us else [*known, *us.values()])
+    names = similar(unknown, shown if in_us else [*known, *us.values()])
+    advice = f"did you mean {names[0]}?" if names else "choose one of these"
+    if len(shown) > MAX_LISTED:
+        command = f"`flangeway cases {case.called()}` lists all {len(shown)}"
+        return ", ".join([*names[:MAX_SIMILAR], command]), advice if names else "choose one of that list"
+    return ", ".join(shown), advice
 
 
 def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[Table], FieldInfo | None, Any]:

@@ -58,7 +58,11 @@ ENDING = ".toml"
 
 FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file", "pressure_file", "friction_file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
-PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".rail", ".wheel", ".csv", ".dxf", ".mpt")
+OPTION_OF_ENDING = {
+    **dict.fromkeys((".ban", ".prr", ".rail", ".slcs"), "--rail"),
+    **dict.fromkeys((".whl", ".prw", ".wheel", ".slcw"), "--wheel"),
+}
+PROFILE_ENDINGS = (*OPTION_OF_ENDING, ".csv", ".dxf", ".mpt")
 MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")
 FILE_ENDINGS = (ENDING, ".txt", ".dat", *PROFILE_ENDINGS, *MESH_ENDINGS)
 
@@ -155,13 +159,18 @@ def _refuse_other_file(file: Path) -> None:
     """Refuse meshes, outlines and profiles, which are inputs of a case and no case themselves."""
     ending = file.suffix.lower()
     if ending in MESH_ENDINGS or ending in PROFILE_ENDINGS:
-        what, case, key = ("a mesh or a deck", "two-bodies", "file")
+        what, advice = (
+            "a mesh or a deck",
+            f'name it in a case file, file = "{file}"; `flangeway init two-bodies` writes one',
+        )
         if ending in PROFILE_ENDINGS:
-            what, case, key = ("an outline or a profile", "wheelset-tangent", "rail, wheel or file")
+            what, option = "an outline or a profile", OPTION_OF_ENDING.get(ending, "--wheel (or --rail)")
+            run = f"`flangeway run wheelset {option} {file}`"
+            advice = run if ending in OPTION_OF_ENDING else f"{run} for a profile; else {advice}"
         raise InputError(
             f"{file}, which is {what}, not a case",
             "the name of a case, or a case file (.toml), which gives materials, supports, loads and contacts",
-            f'name it in a case file: `flangeway init {case}` writes one, {key} = "{file.name}" names it there',
+            advice,
         )
 
 

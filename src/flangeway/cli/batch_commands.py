@@ -116,7 +116,7 @@ def campaign(
     """Run a case, or a damage file, over many inputs: results in SQLite files, tables, pictures (out/FILE)."""
     from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
     from flangeway.campaign.damage_campaign import DamageCampaign  # noqa: PLC0415
-    from flangeway.campaign.database import refuse_format  # noqa: PLC0415
+    from flangeway.campaign.database import refuse_format, refuse_unusable  # noqa: PLC0415
     from flangeway.report.campaign_outputs import (  # noqa: PLC0415
         DATABASE,
         campaign_record,
@@ -134,6 +134,8 @@ def campaign(
     show.units = wanted.units
     folder = results_folder(out, file.stem)
     database = folder / DATABASE
+    if database.is_file() and not fresh:
+        refuse_unusable(database)
     begun = time.perf_counter()
     with show.progress(f"what is done is kept in {database}") as progress:
         reports: list[CampaignProgress] = []

@@ -143,12 +143,14 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
     return [word for value in values if " " not in value and (word := f"{chosen}={value}").startswith(incomplete)]
 
 
+PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".rail", ".wheel", ".dxf", ".slcs", ".slcw")
+PROFILE_FILES = (*PROFILES_ALONE, ".csv", ".txt", ".dat", ".json")  # these endings have tables too
 Set = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Any other input of the case, as often as needed; a wrong key lists all.",
+        help="Any other input of the case, as often as needed; `flangeway cases CASE` lists all.",
         autocompletion=complete_setting,
     ),
 ]

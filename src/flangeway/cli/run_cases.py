@@ -9,6 +9,7 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
+    PROFILE_FILES,
     Out,
     Set,
     Show,
@@ -19,6 +20,7 @@ from flangeway.cli.common import (
     completion,
     errors_as_exit_status,
     path_given,
+    profile_names,
     progress_shown,
     results_folder,
     settings_of,
@@ -50,6 +52,24 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
             ),
         ],
         # text, not numbers or choices: the case checks all values, with one kind of message
+        wheel: Annotated[
+            str | None,
+            typer.Option(
+                "--wheel",
+                metavar="NAME_OR_FILE",
+                help="Wheel of a wheelset: bundled, or a measured profile.",
+                autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
+            ),
+        ] = None,
+        rail: Annotated[
+            str | None,
+            typer.Option(
+                "--rail",
+                metavar="NAME_OR_FILE",
+                help="Rail of a wheelset: bundled, or a measured profile.",
+                autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
+            ),
+        ] = None,
         method: Annotated[
             str | None,
             typer.Option("--method", help="Triangles, or polygons with virtual elements.", **choices("fem", "vem")),
@@ -75,7 +95,14 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         *,
         show: Show,
     ) -> bool:
-        named = {"method": method, "order": order, "size_scale": size_scale, "primary": primary}
+        named = {
+            "wheel": wheel,
+            "rail": rail,
+            "method": method,
+            "order": order,
+            "size_scale": size_scale,
+            "primary": primary,
+        }
         inputs = _case(case, set_, **named, crown_radius_in=crown_radius, units=show.units)
         show.units = inputs.units
         with inputs.errors_as_written():
@@ -127,6 +154,7 @@ def cases(
         from flangeway.cases import CASES, find_case  # noqa: PLC0415
         from flangeway.cases.case import grouped  # noqa: PLC0415
         from flangeway.cases.case_file import CASE_FILES, file_title  # noqa: PLC0415
+        from flangeway.cases.rigid_run import GeometryCase  # noqa: PLC0415
 
         console = stdout()
         if case is None:
@@ -138,7 +166,7 @@ def cases(
                 console.print(f"{name:{width}}{title}", soft_wrap=True)
             console.print("`flangeway cases NAME` lists the inputs of one of them.")
             return
-        kind = find_case(case)
+        kind = GeometryCase if case == GeometryCase.name else find_case(case)
         system = units_given(units) or "metric"
         if case in CASE_FILES:
             note = f"a case file of {kind.name}, `flangeway init {case}` writes it"

@@ -12,6 +12,8 @@ import typer
 from flangeway.cli.app import app
 from flangeway.cli.common import (
     DONE,
+    PROFILE_FILES,
+    PROFILES_ALONE,
     Out,
     Set,
     Show,
@@ -35,10 +37,6 @@ from flangeway.errors import InputError
 from flangeway.system.file_content import is_file
 
 # --- ``flangeway geometry``, ``section`` and ``profile``.
-
-
-PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".rail", ".wheel", ".dxf", ".slcs", ".slcw")
-PROFILE_FILES = (*PROFILES_ALONE, ".csv", ".txt", ".dat", ".json")  # these endings have tables too
 
 
 def _bundled(flag: str, meaning: str) -> Any:
@@ -140,7 +138,8 @@ def section(
         str,
         typer.Argument(
             metavar="NAME_OR_FILE",
-            help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
+            help="136RE, 136RE-8, 136RE-10, 136RE-14, 60E1, 60E2, 54E1, 49E1, or an outline in a .toml, .csv or .dxf "
+            "file.",
             autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
         ),
     ],
@@ -188,8 +187,8 @@ def profile(
         list[str],
         typer.Argument(
             metavar="NAME_OR_FILE...",
-            help="136RE, 136RE-8, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a "
-            ".ban, .whl, .prr, .prw, .rail, .wheel, .csv, .txt, .dat, .json, .dxf, .slcs or .slcw file; "
+            help="136RE, 136RE-8, 136RE-10, 136RE-14, 60E1, 60E2, 54E1, 49E1, S-519-A, AAR-1B, S1002, heavy-haul, "
+            "R-519-A, or a .ban, .whl, .prr, .prw, .rail, .wheel, .csv, .txt, .dat, .json, .dxf, .slcs or .slcw file; "
             "several: one table and picture of all.",
             autocompletion=completion(profile_names, *PROFILE_FILES),
         ),

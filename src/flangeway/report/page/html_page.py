@@ -136,6 +136,8 @@ def _plain(value: object, digits: int = 10) -> str:
 
 OPTIONS = {
     "units": "--units",
+    "wheel": "--wheel",
+    "rail": "--rail",
     "method": "--method",
     "order": "--order",
     "size_scale": "--size-scale",
