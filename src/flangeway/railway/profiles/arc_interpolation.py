@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bmat, csr_matrix, diags
+from scipy.sparse import bmat, csr_matrix, diags, eye_array
 from scipy.sparse.linalg import splu
 
 from flangeway.types import Floats, Ints
@@ -32,13 +32,15 @@ _FIRST_JUMP_PER_MM, _JUMP_DECREASE, _LAST_JUMP_PER_MM = 0.06, 0.55, 1e-7
 """Jump below which all jumps count alike: in the first round, its factor from round to round, in the last one."""
 _JOINT_PER_MM = 5e-3  # jumps from here on are joints
 _ROUNDING_OF_CURVATURE = 4.5  # noise of the difference of two curvatures, in that of the points over spacing squared
-_MAX_TURN_RAD = 2.0  # of a cell, on the way to the solution
+_MAX_TURN_RAD = 1.0  # of a cell: lengths of arcs are found for it
 _MIN_SIGMA_MM = 1e-10
+_CORNER_COST = 3.0  # of a corner of a radian, in the median cost of a jump of the curvature of 1 per mm
+_CORNER_RAD, _SAME_MM = 1e-4, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class ArcChain:
-    """Arcs that meet tangentially.
+    """Arcs that meet tangentially, but for corners.
 
     - `lengths`: length along the chain at which each arc begins, and its end, (n + 1,).
     - `origins`, `angles`, `curvatures`: start, angle of the tangent there, and curvature of each arc, (n,).
@@ -54,16 +56,22 @@ class ArcChain:
     offsets: Floats
 
     def at(self, lengths: Floats) -> tuple[Floats, Floats]:
-        """Return points and unit tangents (k, 2) at lengths (k,) along the chain."""
-        arc = np.clip(np.searchsorted(self.lengths, lengths, side="right") - 1, 0, len(self.angles) - 1)
+        """Return points and unit tangents (k, 2) at increasing lengths (k,) along the chain.
+
+        At a corner the first length has the tangent after it, the last one that before it.
+        """
+        inside = np.append(lengths[:-1], lengths[-1] - _SAME_MM)
+        arc = np.clip(np.searchsorted(self.lengths, inside, side="right") - 1, 0, len(self.angles) - 1)
         chords, turns = _chords(lengths - self.lengths[arc], self.curvatures[arc])
         start = np.exp(1j * self.angles[arc])
         return _real(self.origins[arc] + chords * start), _real(start * np.exp(1j * turns))
 
     @property
     def joints(self) -> Floats:
-        """Lengths of both ends and of the joints at which the curvature jumps by `_JOINT_PER_MM` or more."""
-        jumps = np.abs(np.diff(self.curvatures)) >= _JOINT_PER_MM
+        """Lengths of both ends, of corners, and of joints at which the curvature jumps by `_JOINT_PER_MM` or more."""
+        turns = self.angles[1:] - self.angles[:-1] - self.curvatures[:-1] * np.diff(self.lengths)[:-1]
+        corners = np.abs(np.exp(1j * turns) - 1.0) > _CORNER_RAD
+        jumps = (np.abs(np.diff(self.curvatures)) >= _JOINT_PER_MM) | corners
         return self.lengths[np.pad(jumps, 1, constant_values=True)]
 
 
@@ -125,11 +133,12 @@ def arc_chain(points: Floats, sigma_mm: float = 0.0) -> ArcChain:
     normals = np.gradient(drawn) * 1.0j
     normals /= np.abs(normals)
     jumps = diags([-1.0, 1.0], [0, 1], shape=(n_cells - 1, n_cells), format="csr")
-    costs = _costs(steps, interval, sigma)
+    costs, corner_costs = _costs(steps, interval, sigma)
     left, right = np.flatnonzero(interval < n_points - 2), np.flatnonzero(interval > 0)
     entries = np.append(interval[left], interval[right] - 1), np.append(left, right)
     curvatures, offsets = np.zeros(n_cells), np.zeros(n_points)
-    stiffness, threshold, weights = 1.0, _FIRST_JUMP_PER_MM, costs
+    stiffness, threshold, weights, corners = 1.0, _FIRST_JUMP_PER_MM, costs, np.zeros(n_points - 2)
+    both = eye_array(n_points - 2, format="csr")
     for _ in range(_ROUNDS):
         steps = np.diff(drawn + offsets * normals)
         spacing = np.abs(steps)
@@ -141,14 +150,18 @@ def arc_chain(points: Floats, sigma_mm: float = 0.0) -> ArcChain:
         bends = [1.0 / spacing[:-1], -1.0 / spacing[:-1] - 1.0 / spacing[1:], 1.0 / spacing[1:]]
         displaced = diags(bends, [0, 1, 2], shape=(n_points - 2, n_points))
         kinks = ends[:-1] - angles[cells.first[1:]] - np.angle(steps[1:] / steps[:-1])
+        hold = corner_costs * (corners**2 + threshold**2) ** -_POWER
         blocks = [
-            [jumps.T @ diags(weights) @ jumps, None, equations.T],
-            [None, diags(np.full(n_points, stiffness)), -sigma * displaced.T],
-            [equations, -sigma * displaced, None],
+            [jumps.T @ diags(weights) @ jumps, None, None, equations.T],
+            [None, diags(np.full(n_points, stiffness)), None, -sigma * displaced.T],
+            [None, None, diags(hold), both],
+            [equations, -sigma * displaced, both, None],
         ]
-        load = np.append(np.zeros(n_cells + n_points), equations @ curvatures - displaced @ offsets - kinks)
+        load = np.zeros(n_cells + 3 * n_points - 4)
+        load[2 - n_points :] = equations @ curvatures - displaced @ offsets - kinks
         solution = splu(bmat(blocks, format="csc")).solve(load)
-        curvatures, offsets = solution[:n_cells], sigma * solution[n_cells : n_cells + n_points]
+        curvatures, offsets, corners, _ = np.split(solution, np.cumsum([n_cells, n_points, n_points - 2]))
+        offsets = sigma * offsets
         curvatures = np.clip(curvatures, -_MAX_TURN_RAD / lengths, _MAX_TURN_RAD / lengths)
         stiffness *= float(np.clip(np.sqrt(np.mean(offsets**2)) / sigma, 0.5, 2.0))
         weights = costs * ((jumps @ curvatures) ** 2 + threshold**2) ** -_POWER
@@ -161,10 +174,11 @@ def arc_chain(points: Floats, sigma_mm: float = 0.0) -> ArcChain:
     return ArcChain(np.append(0.0, lengths.cumsum()), origins, angles, curvatures, _real(on_curve), -offsets)
 
 
-def _costs(steps: Complex, interval: Ints, sigma: float) -> Floats:
-    """Costs (n - 1,) of jumps of the curvature behind each cell, in the median one.
+def _costs(steps: Complex, interval: Ints, sigma: float) -> tuple[Floats, Floats]:
+    """Costs of jumps of the curvature behind each cell (n - 1,), in the median one, and of corners at points (m - 1,).
 
-    High where a jump contradicts the points: inside of three on a line, or four on an arc.
+    Jumps cost most where they contradict the points: inside of three on a line, or four on an arc. Corners cost least
+    between such lines and arcs.
 
     - `steps`: from each point to the next (m,).
     - `interval`: of each cell (n,).
@@ -173,9 +187,10 @@ def _costs(steps: Complex, interval: Ints, sigma: float) -> Floats:
     circles = 2.0 * (behind.conj() * ahead).imag / np.abs(behind * ahead * (behind + ahead))
     bend = np.pad(np.abs(circles), 1, constant_values=np.inf)  # of three points, by the middle one
     change = np.pad(np.abs(np.diff(circles)), 2, constant_values=np.inf)  # of four points, by the interval after it
-    at_points = np.minimum.reduce([bend[1:-1], change[1:-2], change[2:-1]])
-    between = np.minimum.reduce([bend[:-1], bend[1:], change[:-2], change[1:-1], change[2:]])
+    round_off = _ROUND_OFF_PER_MM + _ROUNDING_OF_CURVATURE * sigma / np.abs(steps) ** 2
+    at_points = np.minimum.reduce([bend[1:-1], change[1:-2], change[2:-1]]) + round_off[1:]
+    between = np.minimum.reduce([bend[:-1], bend[1:], change[:-2], change[1:-1], change[2:]]) + round_off
     inner = interval[:-1]
-    jump = np.where(inner == interval[1:], between[inner], np.append(at_points, 0.0)[inner])
-    costs = (jump + _ROUND_OFF_PER_MM + _ROUNDING_OF_CURVATURE * sigma / np.abs(steps[inner]) ** 2) ** -0.5
-    return costs / float(np.median(costs))
+    jump = np.where(inner == interval[1:], between[inner], np.append(at_points, np.inf)[inner])
+    corners = _CORNER_COST * np.sqrt(np.maximum(between[:-1], between[1:]) / at_points)
+    return jump**-0.5 / float(np.median(jump**-0.5)), corners
