@@ -119,6 +119,18 @@ def check_between(
     return number
 
 
+def check_angle(owner: str, name: str, value: object) -> float:
+    """Return an angle in radians of up to one turn: larger ones are taken for degrees."""
+    angle = check_finite(owner, name, value, "a finite angle in radians", "correct it")
+    if abs(angle) > 2.0 * np.pi:
+        raise InputError(
+            f"{owner}: {name}={short(value)}",
+            "radians, from -2 pi to 2 pi",
+            f"of degrees take np.deg2rad({angle:g}); for more than one turn take a path of several motions",
+        )
+    return angle
+
+
 def are_all(values: object, kind: type) -> bool:
     """Whether values are a sequence whose items are all of a type."""
     return isinstance(values, Sequence) and all(isinstance(value, kind) for value in values)

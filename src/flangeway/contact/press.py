@@ -16,8 +16,8 @@ from flangeway.contact.system import Contact, ContactSystem, nodal_forces_of
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product
-from flangeway.problems import Body, ElasticField, Part
-from flangeway.problems.loads import GivenForces
+from flangeway.problems import Body, ElasticField, Part, PointForce, Pressure, Traction
+from flangeway.problems.loads import GivenForces, refuse_held
 from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, MaterialState, NonlinearBody
 from flangeway.results import Result, ResultTable
 from flangeway.solve import (
@@ -441,6 +441,11 @@ def _refuse_bad_inputs(
         if not isinstance(items, list | tuple):
             raise refused("press", "body_loads", body_loads, "lists of loads by part", "write {part: [load]}")
     _refuse_bad_handles(system, motions, list(loads), handles)
+    for part, items in body_loads.items():
+        driven = part in loads or any(part in handle.parts for handle in handles)  # a free handle carries loads on it
+        for item in () if driven or not isinstance(part.body, Body) else items:
+            if isinstance(item, Traction | Pressure | PointForce):
+                refuse_held(item, part.body.elasticity, part.body.supported)
 
 
 def _refuse_without_contact(system: ContactSystem, part: Part, what: str) -> None:
@@ -474,7 +479,7 @@ def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, P
                 "a rotation and a translation",
                 "mirror the part itself: Part(..., placement=Placement(mirrored=True))",
             )
-        part.refuse_off_axis("a motion", moved)
+        part.check_placement("a motion", moved)
 
 
 def _refuse_bad_loads(

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import are_all, check_kind, check_positive
+from flangeway.checks import are_all, check_angle, check_kind, check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
@@ -319,10 +319,11 @@ class Part:
         kinds = "Body(...), or Body.from_stiffness(...)"
         check_kind("Part", "body", self.body, LinearBody, kinds, "make one of them")
         check_kind("Part", "placement", self.placement, Placement, "Placement(...)", "leave it out")
-        self.refuse_off_axis("a placement", self.placement)
+        self.check_placement("a placement", self.placement)
 
-    def refuse_off_axis(self, what: str, placement: Placement) -> None:
-        """Raise `InputError` if a placement takes a body of revolution off its axis."""
+    def check_placement(self, what: str, placement: Placement) -> None:
+        """Raise `InputError` for more than one turn, or if a placement takes a body of revolution off its axis."""
+        check_angle(f"{what} of part {self.name!r}", "rotation_rad", placement.rotation_rad)
         off = placement.rotation_rad or placement.translation[0] or placement.mirrored
         if off and isinstance(self.body, LinearBody) and self.body.axisymmetric:
             raise InputError(

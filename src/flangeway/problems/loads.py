@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flangeway.checks import are_finite, check_finite, is_finite
+from flangeway.checks import are_finite, check_angle, is_finite
 from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, located, short
@@ -19,6 +19,9 @@ from flangeway.types import Bools, Floats, Indices, Ints, floats
 
 # --- Numbers and functions of the points that a user gives: loads, displacements, temperatures.
 
+
+NO_FORCE = 1e-12
+"""Force on what can move relative to the maximum force of a load that is round-off."""
 
 Scalar = float | Callable[[Floats], Floats]
 """A number, or a function of points (n, 2) with values (n,)."""
@@ -153,7 +156,7 @@ class PrescribedDisplacement:
     def __post_init__(self) -> None:
         owner = f"PrescribedDisplacement({short(self.where)})"
         _check_place(owner, self.where)
-        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
+        check_angle(owner, "angle", self.angle)
         for name, value in (("x", self.x), ("y", self.y)):
             if value is not None:
                 check_scalar(f"{owner}: {name}", value)
@@ -190,7 +193,7 @@ class Spring:
     def __post_init__(self) -> None:
         owner = f"Spring({short(self.where)})"
         _check_place(owner, self.where)
-        check_finite(owner, "angle", self.angle, "a finite angle in radians", "correct it")
+        check_angle(owner, "angle", self.angle)
         if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
             raise InputError(
                 f"{owner}: stiffnesses x={self.x}, y={self.y}",
@@ -233,6 +236,8 @@ class RigidHandle:
         for name, value in (("x", self.x), ("y", self.y), ("rotation", self.rotation), ("moment", self.moment)):
             if value is not None:
                 check_scalar(f"{owner}: {name}", value)
+        if self.rotation is not None:
+            check_angle(owner, "rotation", self.rotation)
         check_vector(f"{owner}: force", self.force)
         if self.pivot is not None:
             check_vector(f"{owner}: pivot", self.pivot)
@@ -264,6 +269,8 @@ class LoadedProblem(Protocol):
     """What loads ask of the problem that they act on: see the same names of `flangeway.problems.Elasticity`."""
 
     @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
     def space(self) -> Space: ...  # noqa: D102
     @property
     def materials(self) -> tuple[Material, ...]: ...  # noqa: D102
@@ -287,6 +294,21 @@ class Load(ABC):
     @abstractmethod
     def forces(self, problem: LoadedProblem) -> Floats:
         """Forces on all unknowns, shape (n_dofs, 2)."""
+
+
+def refuse_held(load: Load, problem: LoadedProblem, held: Bools) -> None:
+    """Raise `InputError` for a load that acts on held displacements (n_nodes, 2) alone, where it does nothing."""
+    forces = np.abs(load.forces(problem))
+    maximum = float(forces.max(initial=0.0))
+    forces[: len(held)][held] = 0.0
+    if maximum > 0.0 and forces.max() <= NO_FORCE * maximum:
+        where = getattr(load, "edges", getattr(load, "at", None))
+        raise InputError(
+            f"{type(load).__name__}{'' if where is None else f' on {short(where)}'} of body {problem.name!r}: all that "
+            "it acts on is held",
+            "a load on what can move",
+            "load other edges, hold fewer components, or leave the load out: it only changes the reaction",
+        )
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
-from flangeway.problems import ElasticField, Elasticity, Torsion
+from flangeway.problems import ElasticField, Elasticity, PointForce, Pressure, Torsion, Traction
 from flangeway.problems.harmonic import Harmonic
+from flangeway.problems.loads import refuse_held
 from flangeway.results import Result, ResultTable
 from flangeway.solve.constraints import SupportConstraints, find_constraints, refuse_free_motions
 from flangeway.solve.linear import solve_linear
@@ -75,6 +76,10 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     """
     constraints = find_constraints(problem)
     refuse_free_motions(problem, constraints)
+    held = (np.diff(constraints.transform.indptr) == 0).reshape(-1, 2)
+    for item in problem.loads:
+        if isinstance(item, Traction | Pressure | PointForce):
+            refuse_held(item, problem, held)
     condensed = problem.condensed_stiffness()
     springs = [problem.spring_stiffness(spring) for spring in problem.springs]
     added = sum(springs, sp.csc_array((condensed.matrix.n, condensed.matrix.n)))
