@@ -148,6 +148,9 @@ class Enforcement(ABC):
     About the gaps of an iteration the penetration is ``offset + compliance * force`` with the law's own derivative.
     """
 
+    approximates: ClassVar[bool] = False
+    """Whether the law stands for surfaces that do not penetrate, so that its penetration is an error."""
+
     @abstractmethod
     def compliances(self, pairs: Pairs) -> Floats:
         """Derivative of the penetration by the force of each constraint, shape (m,); 0 where none is allowed."""
@@ -197,6 +200,7 @@ class Enforcement(ABC):
 class _WithPenalty(Enforcement):
     """What a penalty and its augmentation share; `Penalty` has the parameters."""
 
+    approximates: ClassVar[bool] = True
     value: float | None
     per: Literal["node", "length"]
 
@@ -313,6 +317,7 @@ class Barrier(Enforcement):
 
     """
 
+    approximates: ClassVar[bool] = True
     value: float
     reach: float
 

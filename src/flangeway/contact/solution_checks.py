@@ -488,7 +488,8 @@ def _force_errors(
         prescribed = bool(set(contact.parts).intersection(moving))
         limit, what = (MAX_APPROACH_ERROR, "approach") if prescribed else (MAX_FORCE_ERROR, "force")
         region = max(of_contact, key=lambda region: region.by_law(prescribed=prescribed))
-        by_law, too_small = region.by_law(prescribed=prescribed), (region.penetration < region.gap) == prescribed
+        by_law = region.by_law(prescribed=prescribed) if contact.enforcement.approximates else 0.0
+        too_small = (region.penetration < region.gap) == prescribed
         if by_law > SMALL_FORCE_ERROR:
             size = "small" if too_small else "large"
             (errors if by_law > limit else warnings).append(
