@@ -375,6 +375,13 @@ class _Builder:
 
     def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[tuple[dict[Part, Placement], ...], Handle | None]:
         n_legs = max((table.leg for table in self.case.motions), default=1)
+        missing = set(range(2 if self.case.loads else 1, n_legs)) - {table.leg for table in self.case.motions}
+        if missing:
+            raise InputError(
+                f"motions of leg {n_legs}, and none of leg {min(missing)}",
+                "legs that follow each other; forces alone may be in leg 1",
+                "number the legs without a gap",
+            )
         legs: tuple[dict[Part, Placement], ...] = tuple({} for _ in range(n_legs))
         push = None
         for number, table in enumerate(self.case.motions, 1):

@@ -129,6 +129,12 @@ def with_body(
     """
     kind = measured.kind
     if isinstance(measured.surface, Outline):
+        if body is not None and other in (None, name):
+            raise InputError(
+                f"{kind}_body = {body} for {name}, which is the whole outline",
+                "a running surface",
+                f"leave {kind}_body out",
+            )
         return whole_profile(measured)
     bodies = (*(RAILS if kind == "rail" else WHEELS), PLAIN)
     body = body or _nearest_body(measured, other)
@@ -562,6 +568,8 @@ class WheelsetInputs(Case):
         """Rails or wheels of the right and the left side, None for a left one that is the same."""
         names = {key: getattr(self, key) for key in (kind, f"left_{kind}")}
         read = {key: self._reading(key) for key in names}
+        if not any(name is not None and _means_file(name) for name in names.values()):
+            self.refuse_without_effect([f"{kind}_body"], kind, "a file")
         profiles: list[Any] = []
         for key, other in zip(names, reversed(names.values()), strict=True):
             name = names[key]

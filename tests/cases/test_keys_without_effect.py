@@ -1,0 +1,53 @@
+"""Inputs that would change nothing are refused with their names."""
+
+import pytest
+
+from flangeway.cases import find_case
+from flangeway.errors import InputError
+
+BLOCK = {"rectangle": {"width_mm": 2.0, "height_mm": 1.0}, "size_mm": 0.5}
+
+
+def blocks(**inputs):
+    lower, upper = BLOCK | {"name": "lower"}, BLOCK | {"name": "upper", "shift_mm": [0.0, 1.0]}
+    contact = {"secondary": "upper", "secondary_edges": "bottom", "primary": "lower", "primary_edges": "top"}
+    supports = [{"body": "lower", "edges": "bottom"}, {"body": "upper", "edges": "top"}]
+    return find_case("two-bodies").from_values(
+        {"bodies": [lower, upper], "contacts": [contact], "supports": supports} | inputs
+    )
+
+
+def moved(*legs):
+    return [{"body": "upper", "leg": leg, "shift_mm": [0.0, -1e-3]} for leg in legs]
+
+
+@pytest.mark.parametrize("legs", [(1, 3), (3,), (1, 2, 4), (2,), (100,)])
+def test_legs_without_those_before_are_refused(legs):
+    """Motions of a leg need some in every leg before it."""
+    with pytest.raises(InputError, match="leg"):
+        blocks(motions=moved(*legs)).check()
+
+
+def test_legs_that_follow_each_other_are_allowed():
+    """Legs 1, 2, 3 are, and leg 2 alone where forces act in leg 1."""
+    blocks(motions=moved(1, 2, 3)).check()
+    blocks(motions=moved(2), loads=[{"body": "upper", "edges": "left", "pressure_MPa": 0.1}]).check()
+
+
+@pytest.mark.parametrize("case", ["wheelset", "wheelset-curve"])
+@pytest.mark.parametrize(
+    "inputs", [{"rail_body": "nonsense"}, {"rail_body": "60E1"}, {"wheel_body": "S1002"}, {"wheel_body": "plain"}]
+)
+def test_bodies_of_bundled_profiles_are_refused(case, inputs):
+    """A body for a file's running surface has no effect on bundled profiles."""
+    with pytest.raises(InputError, match=next(iter(inputs))):
+        find_case(case).from_values(inputs).check()
+
+
+def test_layers_and_units_without_a_file_are_refused():
+    """They are those of a file."""
+    for inputs in ({"layers": ["A"]}, {"unit": "in"}):
+        case = blocks()
+        body = case.bodies[0].model_copy(update=inputs)
+        with pytest.raises(InputError, match=next(iter(inputs))):
+            case.model_copy(update={"bodies": [body, case.bodies[1]]}).check()
