@@ -293,8 +293,8 @@ MAX_BULGE, MAX_DENT = 0.25, 0.02
 """Heights of a node outside and inside of an edge, relative to its length, that make it a node of the boundary: no
 element has a node outside of its edge, and very thin ones have one that far inside."""
 
-MIN_BOUNDARY_ANGLE = np.radians(150.0)
-"""Angle without neighbours at a node of a boundary: 180 degrees where it is straight, less at the corners of a hole."""
+MIN_ONE_SIDED = 0.3
+"""Length of the mean direction from a node to its neighbours on a boundary: 0.4 to 0.7 where it is straight."""
 
 
 def _directed(edges: Any, pairs: Indices, rows: Ints) -> Any:
@@ -739,21 +739,12 @@ class StiffnessBody(LinearBody):
 
     @cached_property
     def _on_boundary(self) -> Bools:
-        """Nodes around which the nodes that K couples with them leave an angle of `MIN_BOUNDARY_ANGLE`."""
-        coupled = sp.coo_array(self._coupled)
-        other = coupled.row != coupled.col
-        node, across = coupled.row[other], self.nodes[coupled.col[other]] - self.nodes[coupled.row[other]]
-        angle = np.arctan2(across[:, 1], across[:, 0])
-        order = np.lexsort((angle, node))
-        node, angle = node[order], angle[order]
-        last: Any = np.append(node[1:] != node[:-1], True)[: len(node)]
-        first = np.flatnonzero(np.append(True, last[:-1]))[: last.sum()]
-        following = np.append(angle[1:], 0.0)[: len(angle)]
-        following[last] = angle[first] + 2.0 * np.pi
-        gaps = np.full(len(self.nodes), 0.0)
-        np.maximum.at(gaps, node, following - angle)
-        counts = np.bincount(node, minlength=len(self.nodes))
-        return (gaps >= MIN_BOUNDARY_ANGLE) | (counts < 2)
+        """Nodes whose neighbours, those that K couples with them, are on one side of them."""
+        node, other = self._coupled.nonzero()
+        across = self.nodes[other] - self.nodes[node]
+        directions = across / np.maximum(np.linalg.norm(across, axis=1), np.finfo(np.float64).tiny)[:, None]
+        sums = [np.bincount(node, component, len(self.nodes)) for component in directions.T]
+        return np.hypot(*sums) > MIN_ONE_SIDED * (np.bincount(node, minlength=len(self.nodes)) - 1)
 
     def _side(self, edges: Indices) -> float:
         """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
