@@ -5,12 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.kinematics import as_vectors, derivative, edge_series, horner, node_edge_gaps
 from flangeway.contact.newton import ContactState
 from flangeway.contact.pairs import Constraints
-from flangeway.contact.search import candidate_pairs
-from flangeway.contact.segment_to_segment import Pieces, distances_along_normals, find_pieces
+from flangeway.contact.search import nearest_edges
 from flangeway.contact.surface import Surface, heights_of, turns_of
 from flangeway.contact.system import Contact, ContactSystem, nodal_forces_of
+from flangeway.geometry.arrays import turned_right
 from flangeway.solve.body_response import BodyResponse
 from flangeway.types import Floats, Ints
 
@@ -31,7 +32,7 @@ SPREAD = 1.2
 smallest that bounds the errors of the random contacts of `benchmarks.narrow_contacts` is 1."""
 
 POINTS = (np.arange(6) + 0.5) / 6.0
-"""Points of a piece of the surface at which gaps are measured."""
+"""Points of an edge at which gaps are measured."""
 
 
 def contact_regions(contact: Contact, pairs: Constraints, forces: Floats) -> list[tuple[Ints, Ints]]:
@@ -125,23 +126,25 @@ def hidden_overlap(system: ContactSystem, state: ContactState, number: int) -> f
     depths = [surface.facet_depth for surface in contact.sides]
     if not any(depth.any() for depth in depths):
         return 0.0
-    pieces, _, gaps = _gaps(system, contact, state.positions, np.arange(len(contact.secondary.edges)))
-    overlap = depths[0][pieces.edges] + depths[1][pieces.partners] - gaps
+    edges, faced, _, gaps = _gaps(system, contact, state.positions, np.arange(len(contact.secondary.edges)))
+    overlap = depths[0][edges] + depths[1][faced] - gaps
     return max(0.0, float(overlap.max(initial=0.0)))
 
 
-def _gaps(system: ContactSystem, contact: Contact, positions: Floats, chosen: Ints) -> tuple[Pieces, Floats, Floats]:
-    """Pieces at points of chosen secondary edges, parameters of the points, and gaps there, n of each."""
+def _gaps(
+    system: ContactSystem, contact: Contact, positions: Floats, chosen: Ints
+) -> tuple[Ints, Ints, Floats, Floats]:
+    """Chosen secondary edges at points that have a foot on a primary one, that one, the parameters, and the gaps."""
     edges, other = (
         system.points_of(surface, positions)[surface.contact_places] for surface in (contact.secondary, contact.primary)
     )
-    reach = float(max(contact.secondary.edge_lengths[chosen].max(), contact.primary.edge_lengths.mean()))
-    of, partners = candidate_pairs(edges[chosen], other, reach)
-    pieces = find_pieces(edges, other, (chosen[of], partners), reach, reach)
-    pieces = pieces.take(np.repeat(np.arange(len(pieces)), len(POINTS)))
-    parts = np.tile(POINTS, len(pieces) // len(POINTS))
-    parameters = pieces.starts + (pieces.ends - pieces.starts) * parts
-    return pieces, parameters, distances_along_normals(edges[pieces.edges], other[pieces.partners], parameters)
+    owners, xi = np.repeat(chosen, len(POINTS)), np.tile(POINTS, len(chosen))
+    series = edge_series(edges[owners])
+    points, tangents = (as_vectors(horner(of, xi)) for of in (series, derivative(series)))
+    faced = nearest_edges(points, turned_right(tangents), other)
+    node_gaps = node_edge_gaps(points, other[faced])
+    on_edge = (faced >= 0) & (np.abs(node_gaps.parameters - 0.5) <= 0.5)
+    return owners[on_edge], faced[on_edge], xi[on_edge], node_gaps.gaps[on_edge]
 
 
 class _Region:
@@ -213,11 +216,12 @@ class _Region:
         """Mean penetration beyond that of the law, weighted by the pressure; gaps of as much are in the same means."""
         surface = self.contact.secondary
         beside = np.isin(surface.edge_places, surface.edge_places[self.edges[0]]).any(axis=1)
-        pieces, xi, gaps = _gaps(self.system, self.contact, self.state.positions, np.flatnonzero(beside))
-        starts, ends = surface.edge_places[pieces.edges, 0], surface.edge_places[pieces.edges, -1]
+        edges, _, xi, gaps = _gaps(self.system, self.contact, self.state.positions, np.flatnonzero(beside))
+        starts, ends = surface.edge_places[edges, 0], surface.edge_places[edges, -1]
         pressures, depths = (values[starts] * (1.0 - xi) + values[ends] * xi for values in self._end_loads)
-        weights = pressures * (pieces.ends - pieces.starts) * surface.edge_lengths[pieces.edges]
+        weights = pressures * surface.edge_lengths[edges]
         beyond = np.maximum(-gaps - depths, 0.0)
+        beyond[beyond > surface.edge_lengths[edges]] = 0.0  # faced through a body
         return 2.0 * float(weights @ beyond) / max(float(weights.sum()), np.finfo(float).tiny)
 
     def _spread(self) -> tuple[float, float, float]:

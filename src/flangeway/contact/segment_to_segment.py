@@ -101,7 +101,7 @@ def find_pieces(
     high, low = (closest_parameters(other[:, end], secondary_edges) for end in (0, -1))
     starts, stops = np.where(low > SNAP, low, 0.0), np.where(high < 1.0 - SNAP, high, 1.0)
     pieces = Pieces(edges, partners, starts, stops)
-    distance = distances_along_normals(secondary_edges, other, (starts + stops) / 2.0)
+    distance = _distances(secondary_edges, other, (starts + stops) / 2.0)
     return pieces.take(np.flatnonzero((stops - starts > SNAP) & (distance < reach) & (distance > -depth)))
 
 
@@ -295,7 +295,7 @@ def _components(vectors: Array) -> Floats:
     return np.ascontiguousarray(vectors).view(np.float64)
 
 
-def distances_along_normals(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
+def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     """Distances along the secondary's normal from its points at parameters ``xi`` (p,) to the primary edges."""
     secondary_series, other = edge_series(secondary), edge_series(primary)
     at, tangent = horner(secondary_series, xi), horner(derivative(secondary_series), xi)

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 
 import numpy as np
@@ -12,6 +12,7 @@ from flangeway.contact.force_errors import (
     MAX_APPROACH_ERROR,
     MAX_FORCE_ERROR,
     SMALL_FORCE_ERROR,
+    ForceError,
     force_errors,
     hidden_overlap,
 )
@@ -456,15 +457,18 @@ def check_solution(
             f"{100.0 * overlap / moved:.2g} % of the maximum displacement, between nodes: take a finer mesh there"
         )
     moving = [part for part, (_, handle) in zip(system.parts, given, strict=True) if handle is not None]
-    force_error = _force_errors(system, response, state, moving, errors, warnings)
+    force_error = _force_errors(
+        force_errors(system, response, state), system, state, overlaps, moving, errors, warnings
+    )
     measured = force, moment, gap, slide, overlap, inverted, strain, turn, force_error
     return Checks(*measured, tuple(errors), tuple(warnings))
 
 
 def _force_errors(
+    regions: Sequence[ForceError],
     system: ContactSystem,
-    response: BodyResponse,
     state: ContactState,
+    overlaps: Sequence[BodyOverlap],
     moving: Sequence[Part],
     errors: list[str],
     warnings: list[str],
@@ -473,10 +477,21 @@ def _force_errors(
 
     Between parts that move freely, ``moving``, it is one of the approach, which may be as large as the elastic one.
     """
-    regions, worst_of_all = force_errors(system, response, state), 0.0
+    worst_of_all = 0.0
     for number, contact in enumerate(system.contacts):
         name = f"the contact of {contact.secondary.part.name} on {contact.primary.part.name}"
-        of_contact = [region for region in regions if region.contact == number]
+        names = {part.name for part in contact.parts}
+        depth = max((overlap.depth for overlap in overlaps if set(overlap.parts) == names), default=0.0)
+        if not all(part.body.boundary_is_closed for part in contact.parts):
+            depth = np.inf
+        if contact.friction_coefficient:  # the overlap is that of chords
+            depth += sum(surface.curve_height for surface in contact.sides)
+        # no mean is above the maximum on the whole boundaries
+        of_contact = [
+            replace(region, between_nodes=min(region.between_nodes, 2.0 * depth))
+            for region in regions
+            if region.contact == number
+        ]
         if not of_contact:
             overlap = hidden_overlap(system, state, number)
             if overlap > ROUND_OFF * max(part.body.size for part in contact.parts):

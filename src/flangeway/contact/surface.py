@@ -251,6 +251,11 @@ class Surface:
             return np.ones(len(self.edge_nodes), dtype=np.bool_)
         return self.is_curved
 
+    @property
+    def curve_height(self) -> float:
+        """Maximum height of the undeformed edges' inner points over the chords."""
+        return float(np.abs(heights_of(self.points[self.contact_places])).max(initial=0.0))
+
     @cached_property
     def is_curved(self) -> Bools:
         """Which edges have inner points beside their chords, shape (n_edges,)."""
