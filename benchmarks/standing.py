@@ -34,7 +34,7 @@ from flangeway.system.disk_cache import Cache
 COUNT, QUICK_COUNT, SEED = 600, 6, 29
 SMALL_FORCES_KN = (0.0, 0.1, 1.0)
 """Drawn in a quarter of all: the wheelset hardly moves from the middle of the track."""
-REFUSED = ("derail", "overturn", "the other wheel lifts")
+REFUSED = ("derail", "overturn", "the other wheel lifts", "no position holds")
 """Words of the messages by which a rigid wheelset without friction is refused."""
 NOT_HELD = ("climbs", "carries its load", "not balanced", "not transmit")
 """Words of the messages that name the force that friction does not hold."""

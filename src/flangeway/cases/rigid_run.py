@@ -375,16 +375,14 @@ def run_geometry(
     first, last = np.flatnonzero(shown)[[0, -1]]
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
-        ends = [
-            geometry.outward_end(sense) if case.roll == "free" else "a running surface ends" for sense in (-1.0, 1.0)
-        ]
+        ends = map(geometry.path_end, SIDES if case.roll == "free" else ())
         remarks.append(
             sentence(
                 "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} and {:.2f mm}: beyond, {}",
                 case.maximum_lateral_mm,
                 locus.lateral_mm[0],
                 locus.lateral_mm[-1],
-                joined_text("; ", dict.fromkeys(ends)),
+                "; ".join(dict.fromkeys(ends)) or "a running surface ends",
             )
         )
     progress("locating contact jumps")
@@ -436,28 +434,18 @@ def run_geometry(
     return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, contacts, summary)
 
 
-def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset) -> Sequence[str]:
+def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset) -> list[str]:
     """Say of a wheelset that stands beside the middle, though both sides are alike, where else it is in equilibrium."""
     position = equilibrium.position
     alike = track.is_symmetric and axle.is_symmetric and not (case.load().in_track[0] or case.yaw_mrad)
     if position is None or not alike or abs(position.motion.lateral_mm) < BESIDE_MM:
-        return ()
-    others = [other for other in equilibrium.positions if other is not position]
-    listed = joined_text(
-        ", ",
-        (
-            sentence("{:.2f mm}" + f" ({'stable' if other.stable else 'not stable'})", other.motion.lateral_mm + 0.0)
-            for other in others
-        ),
+        return []
+    others = (other for other in equilibrium.positions if other is not position)
+    texts = (
+        sentence("{:.2f mm} ({})", other.motion.lateral_mm + 0.0, "stable" if other.stable else "not stable")
+        for other in others
     )
-    return (
-        sentence(
-            "the wheelset stands {:.2f mm} beside the middle of the track, though both sides are alike; it is also in "
-            "equilibrium at {}",
-            abs(position.motion.lateral_mm),
-            listed,
-        ),
-    )
+    return ["the wheelset stands beside the middle, though both sides are alike: " + joined_text(", ", texts)]
 
 
 def _loaded_contacts(

@@ -12,6 +12,7 @@ from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import norms
 from flangeway.railway.rigid.rigid_geometry import (
+    CLIMBED_MM,
     PATH_STEP_MM,
     ContactLocus,
     Intervals,
@@ -21,7 +22,7 @@ from flangeway.railway.rigid.rigid_geometry import (
 )
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetLoad, WheelsetProblem
-from flangeway.results import joined_text, sentence
+from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -353,28 +354,13 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
 def _beyond_reach(geometry: RigidGeometry, path: TouchingPositions, load_ratio: float) -> InputError:
     """Why no position holds a load: the flange climbs, or the positions end before it does."""
     side: Side = "right" if load_ratio >= 0.0 else "left"
-    sign = SIDE_SIGN[side]
-    ratios = sign * held_ratios(geometry, path)
-    held = float(np.nanmax(ratios))
-    steepest = math.degrees(float(np.nanmax(path.side(side).angle[:, 0])))
-    flange = math.degrees(geometry.side(side).flange_angle_rad())
-    rise = path.lift[-1 if sign > 0.0 else 0] - path.lift[np.argmin(np.abs(path.rail_level))]
-    what = f"which is a derailment: the {side} flange climbs its rail"
-    end, advice = "", "lower the lateral force or the speed, or raise the superelevation"
-    if rise <= CLIMBED_MM:
-        what = "which no position holds up to the last one in which both wheels touch inside of their running surfaces"
-        end = joined_text("", ("; beyond, ", geometry.path_end(sign)))
-        advice = "give profiles that reach farther, check gauge_mm and back_to_back_mm, or lower the lateral force"
+    held = float(np.nanmax(SIDE_SIGN[side] * held_ratios(geometry, path)))
+    angles = float(np.nanmax(path.side(side).angle[:, 0])), geometry.side(side).flange_angle_rad()
+    texts = (f"{math.degrees(angle):.1f} deg" for angle in angles)
     return InputError(
-        f"a load of L/V {abs(load_ratio):.3f}, {what}",
-        sentence(
-            "L/V up to {:.3f} without friction (contact angle up to {:.1f} deg, flange angle {:.1f} deg){}",
-            held,
-            steepest,
-            flange,
-            end,
-        ),
-        advice,
+        f"a load of L/V {abs(load_ratio):.3f}, which no position holds: {geometry.path_end(side)}",
+        f"L/V up to {held:.3f} without friction (contact angle up to {next(texts)}, flange angle {next(texts)})",
+        "lower the lateral force or the speed, raise the superelevation, or check profiles, gauge and back-to-back",
     )
 
 
@@ -402,8 +388,6 @@ END_MM = 2.0  # points nearer to the end of a running surface are where it ends,
 
 CLIMBING_RAD = math.radians(45.0)
 """Contact angle above which a rigid flange climbs; elastic rails deflect there, and no flange rises."""
-
-CLIMBED_MM = 3.0  # rise of the axle from the middle of the track above which a flange has climbed
 
 SCAN_MM = 0.1
 """Distance of the positions in which the contact angle is checked, up to a prescribed lateral displacement."""

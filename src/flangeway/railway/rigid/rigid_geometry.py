@@ -12,7 +12,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, WheelsetPosition, refuse_misfit
-from flangeway.results import joined_text, sentence
+from flangeway.results import sentence
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Points of contact of a rigid wheelset over its positions, and where they jump.
@@ -128,6 +128,7 @@ class ContactJump:
 TOUCH_TOLERANCE_MM = 1e-10  # difference of the two wheels' heights at which both touch
 JUMP_MM = 0.3  # shortest jump of a point of contact along the wheel that is reported
 
+CLIMBED_MM = 3.0  # rise of the axle from the middle of the track above which a flange has climbed
 PATH_MM = 40.0
 """Lateral displacement at the rails' height to which positions are followed, if no larger one is asked for."""
 
@@ -275,7 +276,9 @@ class RigidGeometry:
             worst = float(wanted[np.argmax(np.abs(wanted))])
             raise InputError(
                 sentence("a lateral displacement of {:g mm}", worst),
-                sentence("{:.2f (mm)} to {:.2f mm}; beyond, {}", low, high, self.outward_end(worst)),
+                sentence(
+                    "{:.2f (mm)} to {:.2f mm}; beyond, {}", low, high, self.path_end("right" if worst > 0.0 else "left")
+                ),
                 "give a smaller lateral displacement",
             )
         start = np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
@@ -337,24 +340,19 @@ class RigidGeometry:
             path = self._paths[whole] = self._followed(whole)
         return path.part(np.abs(path.rail_level) < reach_mm + PATH_STEP_MM)
 
-    def path_end(self, sense: float) -> str:
-        """Say in words what ends the path of contact.
-
-        - `sense`: to the right where it is positive, else to the left.
-        """
-        path = self.path()
-        last = path.part(slice(-1, None) if sense > 0.0 else slice(0, 1))
-        level = last.rail_level + math.copysign(PATH_STEP_MM, sense)
-        lateral = level - self.reference_height_mm * np.sin(last.roll)
-        if abs(level[0]) > PATH_MM + PATH_STEP_MM:
-            return f"the {'right' if sense > 0.0 else 'left'} flange has climbed its rail"
-        if not self._over_rails(lateral)[0]:
-            return "a wheel leaves its rail"
-        beyond, lost = self._rolled(level, level, last.roll)
-        words = [self.side(side).edge_words(side, beyond.side(side), 0) for side in SIDES]
-        if any(words):
-            return joined_text(" and ", filter(None, words))
-        return "no roll lets both wheels touch" if len(lost) else "a wheel leaves its rail"
+    def path_end(self, side: Side) -> str:
+        """Say in words what ends the path of contact: the flange of a side that climbs, or the end of a surface."""
+        path, sign = self.path(), SIDE_SIGN[side]
+        last = path.part(slice(-1, None) if sign > 0.0 else slice(1))
+        if last.lift[0] - path.lift[np.argmin(np.abs(path.rail_level))] > CLIMBED_MM:
+            return f"the {side} flange climbs its rail, a derailment"
+        level = last.rail_level + sign * PATH_STEP_MM
+        try:
+            beyond = self._rolled(level, level, last.roll)[0]
+        except InputError as reason:
+            return reason.given
+        words = filter(None, (self.side(name).edge_words(name, beyond.side(name)) for name in SIDES))
+        return "both wheels touch only up to " + (" and ".join(words) or "this position")
 
     def axle_lateral(self, positions: TouchingPositions) -> Floats:
         """Lateral displacement of the axle's middle, (n,)."""
@@ -562,14 +560,6 @@ class RigidGeometry:
         closed = high[active] - low[active] < _ROLL_TOLERANCE_RAD
         lost = active[~(remainder < np.where(closed, _MAX_JUMP_MM, _CONFORMING_MM))]
         return TouchingPositions(eta, phi, Touches(*kept[:6]), Touches(*kept[6:])), lost
-
-    def outward_end(self, sense: float) -> str:
-        """Say in words what ends the lateral displacements of `locus`: a flange that climbs, or the end of the path."""
-        lateral, whole = self._outward(PATH_MM)[1], self.axle_lateral(self.path(PATH_MM + _FLANGE_MM))
-        number = -1 if sense > 0.0 else 0
-        if lateral[number] != whole[number]:
-            return f"the {'right' if sense > 0.0 else 'left'} flange climbs its rail"
-        return self.path_end(sense)
 
     def _outward(self, maximum_mm: float) -> tuple[TouchingPositions, Floats]:
         """Part of the path on which the axle moves outward with the wheelset at the rails; its lateral displacement."""

@@ -74,7 +74,12 @@ class RigidCurve:
 
     @classmethod
     def from_contour(
-        cls, contour: Contour, placement: Placement | None = None, steepest_rad: float = STEEPEST_RAD
+        cls,
+        contour: Contour,
+        placement: Placement | None = None,
+        steepest_rad: float = STEEPEST_RAD,
+        *,
+        faces: bool = False,
     ) -> Self:
         """Return the widest part of a contour whose tangents are less steep than an angle.
 
@@ -84,6 +89,8 @@ class RigidCurve:
         - `contour`: in either direction.
         - `placement`: where it is; untransformed by default.
         - `steepest_rad`: with more than 90 degrees x does not grow everywhere, and `over` has no meaning.
+        - `faces`: whether a head has a steep face below an end at which the contour overhangs: a flange touches the
+          edge of the steel there, while a contour that ends says nothing of what is below.
         """
         placement = placement or Placement()
         tables = _turned_graphs(contour, replace(placement, translation=(0.0, 0.0)), steepest_rad)
@@ -97,28 +104,17 @@ class RigidCurve:
                 "check the profile's axes, and remove hooks of the measurement",
             )
         table = tables[0]
-        return cls(table[:, :2] + placement.translation, table[:, 2], table[:, 3], table[:, 4])
-
-    @classmethod
-    def of_head(cls, contour: Contour, placement: Placement) -> Self:
-        """Return the running surface of a rail as `from_contour`, with a face below each of its ends that overhangs.
-
-        There the steel goes on downwards, and a flange touches its edge; where a contour itself ends it does not.
-        """
-        curve = cls.from_contour(contour, placement)
-        ends = placement.points(contour.ends)
-        starts, angles = curve.starts, curve.angles
-        first, last = starts[0], np.array(curve.at(curve.length)[:2])
-        cut = [bool(norms(ends - end).min() > _SAME_POINT_MM * max(norms(ends))) for end in (first, last)]
-        face = FACE_MM * np.array([math.cos(STEEPEST_RAD), math.sin(STEEPEST_RAD)])
-        added = [(first - face, STEEPEST_RAD)] * cut[0], [(last, -STEEPEST_RAD)] * cut[1]
-        before, after = (np.array([[*start, angle] for start, angle in rows]).reshape(-1, 3) for rows in added)
-        return cls(
-            np.vstack((before[:, :2], starts, after[:, :2])),
-            np.concatenate((before[:, 2], angles, after[:, 2])),
-            np.pad(curve.curvatures, (len(before), len(after))),
-            np.pad(curve.lengths, (len(before), len(after)), constant_values=FACE_MM),
-        )
+        curve = cls(table[:, :2] + placement.translation, table[:, 2], table[:, 3], table[:, 4])
+        if not faces:
+            return curve
+        last = np.array([curve.at(curve.length)[:2]])
+        ends = np.vstack((curve.starts[:1], last))
+        cut = np.array([norms(placement.points(contour.ends) - end).min() > _APART_MM for end in ends])
+        down = FACE_MM * np.array([math.cos(steepest_rad), math.sin(steepest_rad)])
+        faces_at = np.column_stack((ends - [down, [0.0, 0.0]], [steepest_rad, -steepest_rad], [0.0] * 2, [FACE_MM] * 2))
+        below, above = faces_at[:1][cut[:1]], faces_at[1:][cut[1:]]
+        rows = np.vstack((below, np.column_stack((curve.starts, table[:, 2:])), above))
+        return cls(rows[:, :2], *rows[:, 2:].T)
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
@@ -318,6 +314,7 @@ N_TOUCHES = 6  # points of a side that are followed: the touch, and the next sma
 _SPACING_MM = 0.2
 _TABLE_MM = 0.005
 _CHUNK = 128
+_EDGE_MM = 1e-9
 _N_FRONT = 2000  # points of a wheel at which the angle of its flange is looked up
 _FIRST_MARGIN_MM = 0.2  # by which a sample may be lower than the highest one and yet touch first
 _SAME_MM = 1e-6
@@ -371,7 +368,7 @@ class RigidSide:
         profile = RigidCurve.from_contour(wheel.running_surface, wheel_frame)
         return cls(
             outline_across(profile, yaw_rad),
-            RigidCurve.of_head(rail.running_surface, rail_frame),
+            RigidCurve.from_contour(rail.running_surface, rail_frame, faces=True),
             wheel_frame,
             rail_frame,
             yaw_rad if side == "right" else -yaw_rad,
@@ -538,25 +535,20 @@ class RigidSide:
         at = self.wheel.at(front)
         return float(at.angle[at.x <= self.wheel_frame.translation[0]].max())
 
-    def edge_words(self, side: Side, touches: Touches, number: int) -> str:
-        """What touches at an end of a running surface, in words; empty where the first touch is inside of both.
-
-        - `number`: of a position of `touches`.
-        """
-        if not self.at_edge(touches)[number]:
-            return ""
-        arc, x = touches.wheel_arc[number, 0], touches.x[number, 0]
-        depth = sentence("{:.1f mm} below the top", -touches.y[number, 0])
-        if x <= self.rail.joints[0]:
-            return sentence("the {} flange meets the lower end of the gauge face, {}", side, depth)
-        if x >= self.rail.joints[-1]:
-            return sentence("the {} wheel stands on the field-side end of its rail, {}", side, depth)
-        part = "the back of the flange" if arc < 0.5 * self.wheel.length else "the rim"
-        return f"the {side} rail is under the end of the wheel's running surface, at {part}"
+    def edge_words(self, side: Side, touches: Touches) -> str:
+        """End of a running surface at which the first position touches, in words; empty if it touches inside."""
+        arc, x = touches.wheel_arc[0, 0], touches.x[0, 0]
+        ends = {
+            "the lower end of the gauge face of the {} rail": x <= self.rail.joints[0],
+            "the field-side end of the {} rail": x >= self.rail.joints[-1],
+            "the back of the {} flange": arc < _EDGE_MM,
+            "the rim of the {} wheel": arc > self.wheel.length - _EDGE_MM,
+        }
+        return next((words.format(side) for words, is_touched in ends.items() if is_touched), "")
 
     def at_edge(self, touches: Touches) -> Bools:
         """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""
         arc, x = touches.wheel_arc[:, 0], touches.x[:, 0]
         ends = self.rail.joints[[0, -1]]
-        on_wheel = (arc < 1e-9) | (arc > self.wheel.length - 1e-9)
+        on_wheel = (arc < _EDGE_MM) | (arc > self.wheel.length - _EDGE_MM)
         return on_wheel | (x <= ends[0]) | (x >= ends[1])

@@ -14,7 +14,7 @@ from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_state
 from flangeway.post.patch_stresses import StressField
 from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
-from flangeway.railway.rigid.rigid_equilibrium import CLIMBED_MM
+from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM
 from flangeway.railway.track.placements import (
     RUNNING_CIRCLES_MM,
     SIDE_SIGN,

@@ -8,8 +8,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.railway.rigid.rigid_equilibrium import CLIMBED_MM, RigidStart, rigid_start
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
+from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
