@@ -9,7 +9,7 @@ from flangeway.contact.kinematics import as_vectors, derivative, edge_series, ho
 from flangeway.contact.newton import ContactState
 from flangeway.contact.pairs import Constraints
 from flangeway.contact.search import nearest_edges
-from flangeway.contact.surface import Surface, heights_of, turns_of
+from flangeway.contact.surface import CORNER_ANGLE, Surface, heights_of, turns_of
 from flangeway.contact.system import Contact, ContactSystem, nodal_forces_of
 from flangeway.geometry.arrays import turned_right
 from flangeway.solve.body_response import BodyResponse
@@ -123,7 +123,7 @@ def force_errors(system: ContactSystem, response: BodyResponse, state: ContactSt
 def hidden_overlap(system: ContactSystem, state: ContactState, number: int) -> float:
     """Maximum overlap of the drawn surfaces of a contact without force, whose chords are apart; 0 if there is none."""
     contact = system.contacts[number]
-    depths = [surface.facet_depth for surface in contact.sides]
+    depths = [surface.facet_depths(CORNER_ANGLE) for surface in contact.sides]
     if not any(depth.any() for depth in depths):
         return 0.0
     edges, faced, _, gaps = _gaps(system, contact, state.positions, np.arange(len(contact.secondary.edges)))
@@ -162,7 +162,7 @@ class _Region:
         """Errors of the region."""
         gaps = self.pairs.gaps[self.group]
         depths = [
-            surface.facet_depth[edges].max(initial=0.0)
+            surface.facet_depths(CORNER_ANGLE)[edges].max(initial=0.0)
             for surface, edges in zip(self.contact.sides, self.edges, strict=True)
         ]
         spread, exponent, size = self._spread()
@@ -256,5 +256,5 @@ def _curvatures(surface: Surface) -> Floats:
     heights = heights_of(edges)
     curved = heights[np.arange(len(edges)), np.abs(heights).argmax(axis=1)] if heights.size else np.zeros(len(edges))
     turns = turns_of(edges[:, [0, -1]], np.roll(np.arange(len(edges)), -1))
-    chorded = np.sign(turns + np.roll(turns, 1)) * surface.facet_depth
+    chorded = np.sign(turns + np.roll(turns, 1)) * surface.facet_depths(CORNER_ANGLE)
     return 8.0 * (curved + chorded) / surface.edge_lengths**2

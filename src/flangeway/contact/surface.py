@@ -264,7 +264,11 @@ class Surface:
 
     @property
     def facet_depth(self) -> Floats:
-        """Distance of each edge from the smooth curve that it seems to belong to, shape (n_edges,).
+        """Distance of each edge from a smooth curve that it may belong to, coarse ones included, shape (n_edges,)."""
+        return self.facet_depths(ROUGH_ANGLE)
+
+    def facet_depths(self, limit: float) -> Floats:
+        """Distance of each edge from the smooth curve whose chords turn by less than a limit, shape (n_edges,).
 
         See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a curve.
         """
@@ -286,7 +290,7 @@ class Surface:
         before, after = turns[starts], np.roll(turns[starts], -1)
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
-        depth[:] = chord_depths(lengths, before, after, ROUGH_ANGLE)[line]
+        depth[:] = chord_depths(lengths, before, after, limit)[line]
         depth[self.follows_curve] = 0.0
         return depth
 
