@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases.case import RENAMED
 from tests.architecture.conftest import MODULES, PACKAGE, TREES
 
 ROOT = PACKAGE.parents[1]
@@ -29,8 +28,8 @@ IN_NAMES = {
 }  # fmt: skip
 """Words of identifiers, keys and names of modules, one or two in a row, with the term to use instead."""
 
-ALLOWED = {"out_of_balance", *RENAMED}
-"""A term of the field that contains one of these words, and keys of earlier versions, whose error names the new key."""
+ALLOWED = {"out_of_balance"}
+"""A term of the field that contains one of these words."""
 
 IN_TEXTS = {
     r"told|tells": "reported, reports",

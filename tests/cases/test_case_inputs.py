@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from flangeway.campaign import Campaign
-from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase
-from flangeway.cases.case import OF_REPORT, RENAMED
-from flangeway.cases.rigid_run import GeometryCase, find_geometry_case
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.case import OF_REPORT
+from flangeway.cases.rigid_run import find_geometry_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_limits, shakedown_state
@@ -117,18 +117,6 @@ def test_a_measured_profile_finds_its_body(tmp_path):
         case = WheelsetTangentCase.from_values(values)
         assert on_rail in case.track().rail_of("left").title
         assert on_wheel in case.wheelset().wheel_of("left").title
-
-
-@pytest.mark.parametrize(("old", "new"), RENAMED.items())
-def test_the_error_for_an_old_key_names_the_new_one(old, new):
-    """A key of an earlier version is refused with its present name, which is that of an input."""
-    kinds = [kind for kind in (*CASES.values(), GeometryCase) if new in kind.model_fields]
-    assert kinds
-    for kind in kinds:
-        assert old not in kind.model_fields
-        with pytest.raises(InputError) as caught:
-            kind.from_values({old: 1.0})
-        assert f"{old} is now {new}" in caught.value.advice
 
 
 def test_settings_are_read_by_the_type_of_their_input(call):

@@ -50,13 +50,6 @@ HALVING = {
 OF_REPORT = ("units", "report_title", "project", "author", "date")
 """Inputs that change nothing of what is computed."""
 
-RENAMED = {
-    "cant": "rail_inclination",
-    "barycentre_height_mm": "centre_of_gravity_height_mm",
-    "largest_lateral_mm": "maximum_lateral_mm",
-    "largest_amplitude_mm": "maximum_amplitude_mm",
-}
-"""Keys of earlier versions, and what they are called now: the error for an old key names the new one."""
 MAX_LISTED, MAX_SIMILAR = 20, 5  # inputs that a message lists; of more only the similar ones
 MIN_LETTERS_OF_PART = 3  # of a word that is looked for inside of others
 MAX_REPORTED = 5  # errors in one message; of the others only the number is given
@@ -590,14 +583,10 @@ def _known_inputs(case: type[Table], table: type[Table], unknown: str, *, in_us:
     known = sorted(table.model_fields, key=OF_REPORT.__contains__)  # the last ones of the list
     us = {name: unit.name for name in known if (unit := us_key(name))}
     shown = [us.get(name, name) for name in known] if in_us else known
-    if RENAMED.get(unknown) in known:
-        return ", ".join(shown), f"{unknown} is now {RENAMED[unknown]}"
     names = similar(unknown, shown if in_us else [*known, *us.values()])
-    advice = f"did you mean {names[0]}?" if names else "choose one of these"
     if len(shown) > MAX_LISTED:
-        command = f"`flangeway cases {case.called()}` lists all {len(shown)}"
-        return ", ".join([*names[:MAX_SIMILAR], command]), advice if names else "choose one of that list"
-    return ", ".join(shown), advice
+        shown = [*names[:MAX_SIMILAR], f"`flangeway cases {case.called()}` lists all {len(shown)}"]
+    return ", ".join(shown), closest(unknown, names)
 
 
 def _located(case: type[Table], values: Any, location: Key) -> tuple[Key, type[Table], FieldInfo | None, Any]:
