@@ -153,17 +153,17 @@ def drawn_pixels(page):
 def test_patches_on_the_screen_are_the_cells_of_a_run(page, width):
     """Each pixel that is drawn lies on a cell under pressure of a run, and each such cell is drawn, to a pixel.
 
-    The right rail has two patches and graded rows of 0.09, 0.35 and 1.06 mm. Both sides have one scale, and the
+    The right rail has two patches and graded rows of 0.07, 0.39 and 0.84 mm. Both sides have one scale, and the
     darkest cell is that of the maximum pressure.
     """
     page.set_viewport_size({"width": width, "height": 900})
-    page.evaluate("shift(6.74)")
-    page.wait_for_function(f"state.elastic?.lateral_mm === 6.74 && {STANDS}", timeout=120_000)
+    page.evaluate("shift(6)")
+    page.wait_for_function(f"state.elastic?.lateral_mm === 6 && {STANDS}", timeout=120_000)
     picture = drawn_pixels(page)
     height, wide = picture.shape[:2]
-    run = load_case("wheelset", size_scale=3.0, lateral_mm=6.74).run()
+    run = load_case("wheelset", size_scale=3.0, lateral_mm=6.0).run()
     states = run.result.equilibrium.state.sides
-    assert np.ptp(states["right"].cells.grid.widths) > 0.9
+    assert np.ptp(states["right"].cells.grid.widths) > 0.7
     scales = []
     for side, sign, part in (("left", -1.0, picture[:, : wide // 2]), ("right", 1.0, picture[:, wide // 2 :])):
         cells, loaded = states[side].cells, states[side].forces > 0.0
