@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.first_guesses import TOLERANCE, metal, rubber
 from flangeway.elements import Virtual
 from flangeway.forms import error_norms, interpolate, newton
 from flangeway.geometry import square
@@ -42,3 +43,11 @@ def test_the_solution_of_a_degenerate_diffusion_is_that_of_every_guess(name, ord
     assert len(solutions) == 3
     assert np.ptp(solutions, axis=0).max() < 1e-7
     assert error_norms(space, solutions[0], exact, gradient).l2 < (0.02 if order == 1 else 0.003)
+
+
+@pytest.mark.parametrize(("problem", "name"), [(rubber, "squares"), (metal, "squares"), (metal, "not convex")])
+def test_loads_along_other_paths_and_repeated_loads_have_the_same_solution(problem, name):
+    """Neo-Hooke along five paths, and hardening J2 unloaded in part and loaded again: the displacements to 1e-6."""
+    _, solutions = problem(Space(MESHES[name](), Virtual(1)), np.random.default_rng(1))
+    assert len(solutions) > 3
+    assert np.ptp(solutions, axis=0).max() < TOLERANCE * np.abs(solutions[0]).max()

@@ -10,12 +10,20 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
-from flangeway._core import Cholesky, Ldlt
+from flangeway._core import Cholesky
 from flangeway.errors import InputError
 from flangeway.problems import Body, LinearBody
 from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, turning
 from flangeway.solve.constraints import components, refuse_floating
-from flangeway.solve.linear import NO_UNKNOWNS, digits_left, factorise, indefinite, ldlt, relative_maximum
+from flangeway.solve.linear import (
+    NO_UNKNOWNS,
+    IndefiniteFactor,
+    digits_left,
+    factorise,
+    indefinite,
+    ldlt,
+    relative_maximum,
+)
 from flangeway.solve.status import MIN_DIGITS, Status
 from flangeway.space import SymmetricMatrix
 from flangeway.space.symmetric import EPS
@@ -342,5 +350,5 @@ class SparseBodies(BodyResponse):
             for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True)
         ]
 
-    def _factor(self, matrix: sp.sparray) -> Ldlt:
+    def _factor(self, matrix: sp.sparray) -> IndefiniteFactor:
         return ldlt(SymmetricMatrix.from_full(matrix), self._groups)
