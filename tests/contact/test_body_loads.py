@@ -128,15 +128,13 @@ def test_a_body_on_springs_approaches_what_it_is_pressed_against() -> None:
     assert not soft.forces.any()
 
 
-def test_given_displacements_do_not_move_a_body_through_another() -> None:
-    """What is held of a block moves below the plate, through it: not converged. Beside the plate it is on its way."""
+def test_displacements_do_not_move_a_body_through_another() -> None:
+    """What is held of a block moves below the plate: not converged. Beside the plate it passes."""
     lower = base()
     for left, through in ((-2.0, True), (28.0, False)):
         upper = block("upper", 4.0, 2.0, (4, 2), (left, 0.5), "top")
         given = {upper: [PrescribedDisplacement("top", 0.0, -8.5)]}
-        status = press([on(upper, lower)], {}, body_loads=given).status
-        assert status.converged is not through
-        assert ("upper moved through base" in status.message) is through
+        assert press([on(upper, lower)], {}, body_loads=given).status.converged is not through
 
 
 def test_loads_that_pull_a_body_away_are_said() -> None:

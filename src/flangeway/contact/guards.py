@@ -47,7 +47,7 @@ larger."""
 DEPTH_TOLERANCE = 0.02
 """Difference of two depths, relative to the larger one, below which it is chance which of them is the smaller one."""
 
-END_DISTANCE = 1e-3
+END_DISTANCE = 1e-6
 """Distance of a node from one of the other side, relative to the length of an edge, below which each guards both."""
 
 JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
@@ -253,17 +253,6 @@ def _end_at(contact_nodes: Ints, edges: Ints, parameters: Floats) -> Ints:
     return np.where(
         np.abs(parameters) < END_DISTANCE, first, np.where(np.abs(parameters - 1.0) < END_DISTANCE, last, -1)
     )
-
-
-def corners_under_force(pairs: Constraints, surfaces: Sides, forces: Floats) -> Guards:
-    """Which nodes of either side are sharp corners whose guards carry a force, each (n_nodes,)."""
-    under_force = list(unguarded(surfaces))
-    if isinstance(pairs, GuardedPairs):
-        ends, firsts = np.cumsum([len(part.keys) for part in pairs.parts]), key_starts(*surfaces)
-        for side, (part, part_forces) in enumerate(zip(pairs.parts[1:], np.split(forces, ends[:-1])[1:], strict=True)):
-            under_force[side][(part.keys[part_forces > 0.0] - firsts[side]) // len(surfaces[1 - side].edges)] = True
-            under_force[side] *= _sharp(surfaces[side])
-    return under_force[0], under_force[1]
 
 
 def key_starts(secondary: Surface, primary: Surface) -> tuple[int, int, int]:

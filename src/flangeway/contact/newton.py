@@ -35,6 +35,7 @@ of the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as 
 that it had let back before.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -43,9 +44,11 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
+from flangeway.contact.search import MAX_ROTATION_STEP, on_path
 from flangeway.contact.system import (
     ContactLinearisation,
     ContactSystem,
+    Entry,
     Sliding,
     carried_forces,
     changed_keys,
@@ -97,7 +100,7 @@ ROUND_OFF = 1e-13
 MAX_ROUND_OFF = 1e-3
 """Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
 
-SLIDE_ITERATIONS = 12
+SLIDE_ITERATIONS = 9
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
 MAX_DENSE_EQUATIONS = 4000
@@ -109,6 +112,12 @@ MAX_NAMED = 3
 MAX_TRAVEL = 2.0
 """Way relative to the size of the largest part after which no surface comes within reach of a part that nothing
 touches."""
+
+MAX_STOPS = 12
+"""Steps of an iteration that stop where a node enters another surface."""
+
+MAX_DEFORMATION = 1.0
+"""Deformation relative to the size of the largest body that is not sought: bodies are linear."""
 
 MAX_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""
@@ -173,7 +182,7 @@ def solve_contact(
     handles: Sequence[Handle | None] | None = None,
     start: ContactState | None = None,
     settings: NewtonSettings | None = None,
-    origin: Floats | None = None,
+    origin: Sequence[Placement] | None = None,
 ) -> ContactState:
     """Find the contact forces of placed bodies.
 
@@ -195,8 +204,7 @@ def solve_contact(
     settings
         Limits of the iteration.
     origin
-        Positions of the surface nodes from which slip is counted without a start, shape (n_nodes, 2); left out: those
-        of the placed bodies before deformation.
+        Placements from which the undeformed bodies come, and slip is counted, without a start; left out: those given.
 
     Returns
     -------
@@ -244,7 +252,7 @@ class _Run:
         parts: Handles,
         settings: NewtonSettings,
         start: ContactState | None,
-        origin: Floats | None,
+        origin: Sequence[Placement] | None,
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
@@ -253,7 +261,11 @@ class _Run:
         self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
         self.begun = self.reference
         self.history: list[Iteration] = []
-        self.start, self.before = start, self.reference if origin is None else origin
+        self.is_unheld, self.failure = False, ""
+        self.start, self.before = start, self.reference
+        came_from = self.placements if start is None else start.placements
+        if start is None and origin is not None:
+            self.before, came_from = response.undeformed(origin), tuple(origin)
         self.displacements = np.zeros_like(self.reference)
         if start is None:
             self.current = after = constraints.linearise(self.reference, None)
@@ -261,20 +273,48 @@ class _Run:
         else:
             self.before, self.current, self.forces = start.positions, start.linearisation, start.forces
             self.tangential = np.zeros_like(start.forces) if start.friction is None else start.friction.forces
-            # bodies that slide along a path leave the places where nodes penetrated in earlier steps, but without the
-            # corner that holds it a part on a handle would go where its load takes it
-            holding = self.forces if parts.n else np.zeros_like(self.forces)
-            after = constraints.unguarded(start.positions, self.current, holding)
+            after = self._unguarded(start.positions)
             if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
                 self.displacements = start.positions - self.reference
             else:
                 everywhere = np.arange(response.n_nodes)
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
                 after = constraints.linearise(self.reference + self.displacements, after)
-        self.take_over(after)
-        self.stalled, self.corrections = False, 0
+        here = self._come(came_from, after)
+        self.take_over(here)
+        self.stalled, self.corrections, self.stops, self.is_held_back = False, 0, 0, here is not after
         self.stable: bool | None = None
         self.correct()
+
+    def _come(self, placements: Sequence[Placement], after: ContactLinearisation) -> ContactLinearisation:
+        """Come from where slip is counted, with the placements there, up to where nodes enter another surface.
+
+        Rigid motions turn along their arcs, and bodies deform straight. Returns the linearisation there, which is
+        ``after`` where nothing is in the way.
+        """
+        points = np.stack((self.before, self.reference + self.displacements))
+        both = zip(placements, self.placements, strict=True)
+        angle = max(abs(last.rotation_rad - first.rotation_rad) for first, last in both)
+        parts = 1 + int(angle / MAX_ROTATION_STEP)
+        at = points[0]
+        for part in range(1, parts + 1):
+            following = points[1] if part == parts else self._on_path(placements, points, part / parts)
+            lin = after if part == parts else self.constraints.linearise(following, after)
+            if (entry := self.constraints.entered(at, following, lin)) is not None:
+                at = at + entry.time * (following - at)
+                self.displacements = at - self.reference
+                remaining = np.abs(at - self.response.undeformed(self.placements)).max()
+                if remaining > MAX_DEFORMATION * self.parts.size:
+                    self.is_unheld, self.failure = True, self._passes(entry, "")
+                return self.constraints.guarded_too(at, lin, entry.guards)
+            at = following
+        return after
+
+    def _on_path(self, placements: Sequence[Placement], points: Floats, share: float) -> Floats:
+        """Positions of the surface nodes at a share of the way between two positions, shape (2, n_nodes, 2)."""
+        both, offsets = zip(placements, self.placements, strict=True), self.response.offsets
+        bodies = [points[:, first:last] for first, last in itertools.pairwise(offsets.tolist())]
+        return np.concatenate([on_path(*ends, body, share) for ends, body in zip(both, bodies, strict=True)])
 
     def move(self, motions: Floats) -> None:
         """Place the parts on handles."""
@@ -287,11 +327,13 @@ class _Run:
         """Solve, and guard nodes that penetrate, until none does and penetrations are within their tolerance."""
         rounds = 0
         while True:
-            failure = self.iterate()
+            failure = self.failure or self.iterate()
             if failure is not None:
                 return self.result(failure, converged=False)
             if self.excess() <= 1.0:
-                if not self.guard():
+                if self.is_held_back:
+                    self.release()
+                elif not self.guard():
                     more = f" and {_counted(self.corrections, 'correction')} of the forces" if self.corrections else ""
                     if self.stalled:
                         more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
@@ -322,6 +364,20 @@ class _Run:
         self.correct()
         return True
 
+    def release(self) -> None:
+        """Leave the constraints of nodes that entered on the way, which the solution may not need."""
+        self.take_over(self._unguarded(self.reference + self.displacements))
+        self.is_held_back = False
+        self.correct()
+
+    def _unguarded(self, positions: Floats) -> ContactLinearisation:
+        """Linearise about positions (n_nodes, 2) without guarded nodes.
+
+        Bodies that slide along a path leave the places where nodes penetrated in earlier steps; but without the nodes
+        that hold it a part on a handle would go where its load takes it.
+        """
+        return self.current if self.parts.n else self.constraints.unguarded(positions, self.current)
+
     def take_over(self, after: ContactLinearisation) -> None:
         """Go on with another linearisation about the same positions or new ones; forces stay where constraints do."""
         self.forces, self.tangential = (
@@ -346,30 +402,33 @@ class _Run:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         first = len(self.history)
         before = sum(iteration.correction == self.corrections for iteration in self.history)
-        for iteration in range(self.settings.max_iterations - before):
+        iteration, stops, sliding, touched = -1, self.stops, 0, self._pressed()
+        while (iteration := iteration + 1) < self.settings.max_iterations - before + self.stops - stops:
             if loose := self._approach():
                 return loose
-            if iteration >= SLIDE_ITERATIONS and self.unheld.any():
-                words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
-                what = "a load" if self.parts.load.any() else "what the motion presses"
-                return (
-                    f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
-                    "friction, or hold the part in Body(held=...)"
-                )
+            if sliding >= SLIDE_ITERATIONS:
+                return self._slides_away()
             # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
             step = self._step() or self._step(bend=False)
             if step is None:
                 return (
-                    "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
-                    "finer mesh or a softer penalty"
+                    "not converged: the contact laws of a linearised step have no solution; take a finer mesh or a "
+                    "softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((iteration.residual for iteration in self.history[-MEMORY:]), default=np.inf)
             taken = self._take(here, step, fraction, settle=settle)
+            if (entry := self._entry(here)) is not None:
+                if self.stops == MAX_STOPS:
+                    return self._passes(entry, f", again after {MAX_STOPS} stops")
+                self._stop(here, step, entry)
+                continue
             while taken.residual > limit and fraction > MIN_FRACTION:
                 fraction /= 2.0
                 taken = self._take(here, step, fraction, settle=settle)
             self.history.append(taken)
+            touched, touches = self._pressed(), touched
+            sliding = sliding + 1 if self.unheld.any() and np.array_equal(touched, touches) else 0
             round_off = 64.0 * EPS * float(np.abs(self.reference).max()) / self._scale()
             floor = min(round_off, MAX_ROUND_OFF)
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
@@ -377,7 +436,41 @@ class _Run:
             self.stalled = not met and is_at_round_off(self.history[first:])
             if met or self.stalled:
                 return None
-        return self._explain()
+        return self._slides_away() if self.unheld.any() else self._explain()
+
+    def _pressed(self) -> Bools:
+        """Which motions move a part under contact forces, shape (n,): the others' parts still fall."""
+        pressed = np.unique(self.response.body_of_node[np.flatnonzero(self._nodal().any(axis=1))])
+        return self.parts.of_bodies(pressed)
+
+    def _slides_away(self) -> str:
+        """Names the motion against which friction does not hold a part."""
+        self.is_unheld = True
+        words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
+        what = "a load" if self.parts.load.any() else "what the motion presses"
+        return (
+            f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of friction, or "
+            "hold the part in Body(held=...)"
+        )
+
+    def _entry(self, here: "_Run") -> Entry | None:
+        """Where a node enters another surface unseen on the way from a state, a copy of this run."""
+        before, after = (run.reference + run.displacements for run in (here, self))
+        return self.constraints.entered(before, after, self.current)
+
+    def _stop(self, here: "_Run", step: "_Step", entry: Entry) -> None:
+        """Go only as far along a step as no node enters another surface, and guard those that do."""
+        self.history.append(self._take(here, step, entry.time, settle=False))
+        self.take_over(self.constraints.guarded_too(self.reference + self.displacements, self.current, entry.guards))
+        self.equations, self.stops = None, self.stops + 1
+
+    def _passes(self, entry: Entry, again: str) -> str:
+        """Names bodies of which one goes into the other although constraints hold it back."""
+        words = self.constraints.describe_entry(entry, self.reference + self.displacements)
+        return (
+            f"not converged: {words}{again}; move or load the bodies less, give all edges that may "
+            "touch, or take a finer mesh there"
+        )
 
     def _take(self, here: "_Run", step: "_Step", share: float, *, settle: bool) -> Iteration:
         """Go a share of a step from a state, a copy of this run; what that did."""
@@ -530,32 +623,49 @@ class _Run:
             problem = self._problem(geometric, constrained, current.keys[near])
         else:
             problem = self._problem_again(before, constrained, guess)
-        matrix, offset, rigid = problem.matrix, problem.offset, problem.rigid
-        sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING) if n else rigid
-        diagonal = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-        laws = active_set.Laws(coefficients, barriers, diagonal)
-        answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        matrix, rigid = problem.matrix, problem.rigid
+        answer = self._answer(problem, (coefficients, barriers), guess, SPRING if bend else STIFF_SPRING)
         if answer is None:
             return None
-        if n:
-            # with springs there always is a solution; without them Newton's method for the motions goes on from there
-            equations = active_set.DenseEquations(matrix, offset, laws, rigid)
-            left, right, loose = equations.free_motions(answer)
-            self.neutral = np.stack([np.linalg.qr(basis_side)[0] for basis_side in (left, right)])
-            basis = _complement(left), _complement(right)
-            held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
-            exact = None if loose else active_set.solve(laws, held, answer.forces)
-            if exact is not None:
-                answer = exact._replace(motions=basis[1] @ exact.motions)
-                self.unheld = np.zeros(self.parts.n)
-            elif self.slides is not None and not self.unheld.any():
-                self.unheld = rigid.unbalanced(answer, self.neutral[0])
-        self.tangent = matrix, rigid, answer.forces[: laws.m] > 0.0
+        self.tangent = matrix, rigid, answer.forces[: len(coefficients)] > 0.0
         # if one more iteration was not enough, the next one has its own
         self.equations = problem if bend and before is None else None
         motion = self.parts.shortened(answer.motions, self.parts.velocities(self.motions, self.reference))
         forces[rows] = answer.forces
         return forces, problem.by_loads @ np.concatenate((answer.forces, (1.0,), motion)), motion
+
+    def _answer(
+        self, problem: _Equations, laws_of: tuple[Floats, Floats], guess: Floats, spring: float
+    ) -> active_set.Answer | None:
+        """Forces and motions of an iteration's equations, by coefficients and barriers, and a stiffness of springs.
+
+        With springs against the motions there always is a solution; without them Newton's method for the motions goes
+        on from there. Where nothing but springs holds a part they are soft, so that it falls on what is to hold it.
+        """
+        matrix, offset, rigid = problem.matrix, problem.offset, problem.rigid
+        if not self.parts.n:
+            laws = active_set.Laws(*laws_of, matrix.diagonal())
+            return active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, rigid), guess)
+        sprung = rigid.sprung(matrix.diagonal(), spring)
+        last: active_set.Answer | None = None
+        for _ in range(2):
+            laws = active_set.Laws(*laws_of, matrix.diagonal() + sprung.compliances())
+            answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+            if answer is None:
+                break
+            last, equations = answer, active_set.DenseEquations(matrix, offset, laws, rigid)
+            left, right, loose = equations.free_motions(answer)
+            self.neutral = np.stack([np.linalg.qr(side)[0] for side in (left, right)])
+            basis = _complement(left), _complement(right)
+            held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
+            exact = None if loose else active_set.solve(laws, held, answer.forces)
+            if exact is not None:
+                self.unheld = np.zeros(self.parts.n)
+                return exact._replace(motions=basis[1] @ exact.motions)
+            if self.slides is not None:
+                self.unheld = rigid.unbalanced(answer, self.neutral[0])
+            sprung = rigid.softly_sprung(sprung, answer.forces)
+        return last
 
     def _laws(self, before: _Equations | None, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
@@ -653,7 +763,7 @@ class _Run:
         if loose := self._loose():
             return loose
         unbalanced = self._unbalanced()
-        advice = "take smaller steps, a softer penalty or a finer mesh"
+        advice = "take a softer penalty or a finer mesh"
         if not last.changed:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
         else:
@@ -665,7 +775,8 @@ class _Run:
                 "; with node-to-segment contact, nodes opposite each other change between two edges: take elements of "
                 "another size on one side, as half of it, or segment-to-segment"
             )
-        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
+        count = _counted(len(self.history), "iteration")
+        return f"not converged in {count}: {reason}{unbalanced}; {advice}"
 
     def _unbalanced(self) -> str:
         """Words for the maximum force that is left on a handle."""
@@ -719,6 +830,7 @@ class _Run:
         words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
         if not words:
             return ""
+        self.is_unheld = True
         return (
             f"no contact holds a load: {'; '.join(words)}; check its direction and its size, place the part "
             "before what is to hold it, hold it in Body(held=...), or leave its load out"
@@ -737,7 +849,7 @@ class _Run:
                 previous = carried_forces(self.start.linearisation, self.start.forces, self.current)
             friction = active_set.friction_state(*given, self.current.coefficients, previous)
         return ContactState(
-            Status(converged, message, len(self.history)),
+            Status(converged, message, len(self.history), is_unheld=self.is_unheld),
             self.placements,
             self.displacements,
             self.reference + self.displacements,

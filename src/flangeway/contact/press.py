@@ -1,7 +1,7 @@
 """Bodies that are moved against each other: the contact problem as a user states it."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -12,7 +12,7 @@ from flangeway.checks import MIN_POSITIVE, are_all, are_finite, check_integer, c
 from flangeway.contact.newton import ContactState, solve_contact
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
-from flangeway.contact.system import Contact, ContactSystem, nodal_forces_of
+from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product
@@ -42,6 +42,9 @@ MAX_DENSE_BYTES = 4e9
 
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
+
+LANDING = 1e-3
+"""Part of the first motion and of the loads under which parts on handles land without friction."""
 
 FRICTION_ERROR = 1e-4
 """Error of a step with friction, see `StepSettings`, where nothing else is said."""
@@ -265,6 +268,8 @@ def press(
         its shift are that share. A sequence of them is a path: press, then push, then reverse; each follows those
         before it. With friction the result depends on the path, and slip is counted from one step to the next, from
         the first placements on: a point that closes in a step has slipped since the step began.
+        Parts on handles that have a gap at the start first find their equilibrium without friction, under a thousandth of the
+        loads and of the motion.
     loads
         Force x, y and moment on the held edges and points of parts, which then move together as a rigid handle where
         the contacts hold it, by part; None in place of a number: the handle does not move in that way, or by its
@@ -316,18 +321,12 @@ def press(
     settings_of = _step_settings(system, len(motions), steps)
     if not isinstance(settings, NewtonSettings | None):
         raise refused("press", "settings", settings, "NewtonSettings(...)", "leave it out")
-    if not isinstance(response, BodyResponse | None):
-        raise refused("press", "response", response, "that of an earlier press of the same contacts", "leave it out")
-    path = _usual_path(system, floating=bool(handle_of)) if path is None else path
-    if not isinstance(path, str) or path not in PATHS:
-        raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
-    bodies = response or PATHS[path](system.surface_nodes)
+    bodies = _bodies(system, response, path, floating=bool(handle_of))
     displaced = [loads_on(part.body, on_bodies[part]) if on_bodies.get(part) else None for part in system.parts]
     done: list[LoadStep] = []
 
     placed = tuple(part.placement for part in system.parts)
-    origin = bodies.reference(placed)
-    depths = _penetrations(system, origin)
+    gaps, first_placements = _gaps(system, bodies.undeformed(placed)), placed
     reached: ContactState | None = None
     for number, (leg, sizes) in enumerate(zip(motions, settings_of, strict=True)):
 
@@ -337,16 +336,23 @@ def press(
             leg: Mapping[Part, Placement] = leg,
             number: int = number,
             placed: tuple[Placement, ...] = placed,
+            among: ContactSystem = system,
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
             growth = min(number + share, 1.0)
             handles = handles_at(placements, growth)
             loaded = bodies.loaded(displaced, placements, growth) if any(displaced) else bodies
             state = solve_contact(
-                loaded, system, placements, handles=handles, start=start, settings=settings, origin=origin
+                loaded, among, placements, handles=handles, start=start, settings=settings, origin=first_placements
             )
-            # where contacts decide the place of a part, a solution in which it overlaps is on a branch of its own
-            if state.status.converged and any(handles) and (errors := _errors_of_step(system, loaded, start, state)):
+            if among is not system:
+                return state
+            # where contacts or loads decide the place of a part, one in which it overlaps is on a branch of its own
+            if (
+                state.status.converged
+                and (any(handles) or any(displaced))
+                and (errors := _errors_of_step(system, loaded, start, state))
+            ):
                 status = replace(state.status, converged=False, message=f"not converged: {'; '.join(errors)}")
                 state = replace(state, status=status)
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
@@ -356,6 +362,9 @@ def press(
         def keep(share: float, state: ContactState, number: int = number) -> None:
             done.append(LoadStep(number + share, state))
 
+        if number == 0 and _falls(system, gaps, handle_of):
+            landed = solve_at(LANDING, None, among=system.without_friction)
+            reached = landed if landed.status.converged else None
         reached = follow(solve_at, reached, sizes, keep, _uncertain)
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
@@ -364,7 +373,7 @@ def press(
     state = reached
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
-    solution = ContactSolution(system, bodies, state, tuple(done), depths)
+    solution = ContactSolution(system, bodies, state, tuple(done), _penetrations(gaps))
     if not state.status.converged:
         return solution
     return solution.checked(list(zip(placed, handles_at(placed, 1.0), strict=True)))
@@ -402,6 +411,16 @@ def _step_settings(
         if not isinstance(value, StepSettings | None):
             raise refused("press", "steps", value, "StepSettings(...)", "leave it out")
     return settings_of
+
+
+def _bodies(system: ContactSystem, response: BodyResponse | None, path: str | None, *, floating: bool) -> BodyResponse:
+    """The bodies of an earlier `press`, or new ones, see there."""
+    if not isinstance(response, BodyResponse | None):
+        raise refused("press", "response", response, "that of an earlier press of the same contacts", "leave it out")
+    path = _usual_path(system, floating=floating) if path is None else path
+    if not isinstance(path, str) or path not in PATHS:
+        raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
+    return response or PATHS[path](system.surface_nodes)
 
 
 def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed", "sparse"]:
@@ -584,10 +603,25 @@ def _share_of(motion: Placement, share: float) -> Placement:
     return Placement(share * motion.rotation_rad, (share * x, share * y))
 
 
-def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
-    """Maximum penetration of each contact at positions of the surface nodes."""
+def _gaps(system: ContactSystem, positions: Floats) -> Floats:
+    """Minimum gap of each contact at positions of the surface nodes, infinite where nothing is within reach."""
     lin = system.linearise(positions, None)
-    return np.array([abs(float(pairs.gaps.min(initial=0.0))) for pairs in lin.pairs])
+    return np.array([float(pairs.gaps.min(initial=np.inf)) for pairs in lin.pairs])
+
+
+def _penetrations(gaps: Floats) -> Floats:
+    """Depths > 0 where gaps are negative, 0 elsewhere."""
+    return np.abs(np.minimum(gaps, 0.0))
+
+
+def _falls(system: ContactSystem, gaps: Floats, parts: Container[Part]) -> bool:
+    """Whether contacts with friction are open at the start that parts on handles are to close."""
+    return any(
+        contact.friction_coefficient > 0.0
+        and gap > ROUND_OFF * min(part.body.size for part in contact.parts)
+        and any(part in parts for part in contact.parts)
+        for contact, gap in zip(system.contacts, gaps.tolist(), strict=True)
+    )
 
 
 # --- Contact of bodies of nonlinear materials: Newton's method around the contact of their linearised bodies.
@@ -777,14 +811,14 @@ def _linear_contact(
     at_parts = dict(zip(system.parts, placements, strict=True))
     alone = [_handle_of(part, None) for part in system.parts]
     handles = [None if handle is None else _carried(handle, at_parts, 1.0) for handle in alone]
-    origin = response.reference(placed)
     loaded = response.loaded([loads.get(part) for part in system.parts], placements, 1.0)
     # slip is counted from the undeformed bodies
     friction = any(contact.friction_coefficient for contact in contacts)
     start = None if before is None or friction else before.state
-    state = solve_contact(loaded, system, placements, handles=handles, start=start, origin=origin)
+    state = solve_contact(loaded, system, placements, handles=handles, start=start, origin=placed)
     steps = (LoadStep(fraction, state),)
-    return ContactSolution(system, response, state, steps, _penetrations(system, origin)), linear
+    gaps = _gaps(system, response.undeformed(placed))
+    return ContactSolution(system, response, state, steps, _penetrations(gaps)), linear
 
 
 def _on(surface: Surface, now: Mapping[Part, Part]) -> Surface:

@@ -1,22 +1,33 @@
 """Which edges are near each other, and which edge each node faces."""
 
+from typing import NamedTuple
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from flangeway.geometry import crossing_shares
-from flangeway.geometry.arrays import cross_product, turned_right
-from flangeway.types import Floats, Ints
+from flangeway.geometry import Placement, crossing_shares
+from flangeway.geometry.arrays import cross_product, norms, turned_right
+from flangeway.types import Bools, Floats, Ints
 
 GROWTH = 4.0
 """Factor from one box of the search to the next: a few edges more in each against fewer of them."""
 ZERO_DEPTH = 1e-6
 """Depth relative to the longest edge up to which a point is on the surface; see `leads_out`."""
+MAX_ROTATION_STEP = 0.05
+"""Rotation in rad between two positions of a path that is taken as straight."""
 MAX_ENTRY_DEPTH = 0.1
 """Depth behind an edge, relative to the length of the surface there, from which the point may have entered
 elsewhere."""
 MAX_SAGITTA = 0.25
 """Height of a curved edge over its chord, over the chord, beyond all meshes: a quarter of a circle has 0.2."""
+TINY = float(np.finfo(np.float64).tiny)
+ON_SURFACE = 1e-9
+"""Depth relative to an edge that is round-off of a point on it."""
+OPPOSITE = -0.5
+"""Cosine of the angle between normals below which two sides of a body face different ways: corners turn less."""
+MAX_PAIRS = 2_000_000
+"""Pairs of a point and an edge whose crossings are computed at a time."""
 OTHER_EDGE = 4.0
 """Depth behind an edge, relative to the distance from an edge without the point, from which it entered through that
 one."""
@@ -52,6 +63,122 @@ def _boxes(edges: Floats, reach: float | Floats) -> Floats:
     return np.concatenate(
         ((edges.min(axis=1) - np.transpose([reach])).T, (edges.max(axis=1) + np.transpose([reach])).T)
     )
+
+
+def on_path(first: Placement, last: Placement, points: Floats, share: float) -> Floats:
+    """Points of a body at a share of its way, at two placements and shape (2, n, 2) in space at its ends: (n, 2).
+
+    The body moves and turns in proportion, and deforms straight in its own frame.
+    """
+    local = (1.0 - share) * first.inverse().points(points[0]) + share * last.inverse().points(points[1])
+    motion = last.after(first.inverse())
+    x, y = motion.translation
+    return Placement(share * motion.rotation_rad, (share * x, share * y)).after(first).points(local)
+
+
+class Visits(NamedTuple):
+    """Points that enter a body through an edge of its surface while both move straight, k of them.
+
+    - `points`, `edges`, `times`: the points, the edges, and parts of the move at which they enter, each (k,).
+    - `ends`: parts of the move at which they leave, 1 if they do not, shape (k,).
+    - `other_side`: whether they leave through an edge that faces the other way and is not the next one.
+    - `depths`: distances behind the line of the edge, or from the surface where it is nearer; halfway of those that
+      leave, at the end of those that stay.
+    """
+
+    points: Ints
+    edges: Ints
+    times: Floats
+    ends: Floats
+    other_side: Bools
+    depths: Floats
+
+
+def visits(points: Floats, edges: Floats, on_surface: Floats) -> Visits:
+    """Which moving points enter through moving edges.
+
+    A point at ``x + t (x' - x)`` is on the line of an edge where the cross product of the edge and of the vector to the
+    point, which is quadratic in t, vanishes. A point that starts behind an edge by less than a depth enters at 0.
+
+    Parameters
+    ----------
+    points
+        Positions at the start and at the end of the move, shape (2, n, 2).
+    edges
+        Ends of the edges then, their body on the left, shape (2, m, 2, 2).
+    on_surface
+        That depth of each edge, >= 0, shape (m,).
+
+    """
+    n, m = points.shape[1], edges.shape[1]
+    swept, rows = edges.transpose(1, 0, 2, 3).reshape(m, 4, 2), max(1, MAX_PAIRS // max(m, 1))
+    blocks = []
+    for first in range(0, n, rows):
+        block = points[:, first : first + rows].swapaxes(0, 1)
+        of, near = candidate_pairs(block, swept, float(on_surface.max(initial=0.0)))
+        blocks.append(_crossings(points, edges, on_surface, first + of, near))
+    of, near, times, inwards, normals = (np.concatenate(values) for values in zip(*blocks, strict=True))
+    order = np.lexsort((~inwards, times, of))
+    of, near, inwards = of[order], near[order], inwards[order]
+    times, normals = times[order], normals[order]
+    # the next crossing outwards of the same point
+    count = len(order)
+    leaving = np.minimum.accumulate(np.where(inwards, count, np.arange(count))[::-1])[::-1]
+    leaves, leaving = leaving < count, np.minimum(leaving, count - 1)
+    leaves &= of[leaving] == of
+    ends = np.where(leaves, times[leaving], 1.0)
+    other_side = leaves & ((normals * normals[leaving]).sum(axis=1) < OPPOSITE)
+    entry, exit_edge = edges[0, near], edges[0, near[leaving]]
+    # who crosses the tip of a sharp corner has not gone through
+    other_side &= (entry[:, 1] != exit_edge[:, 0]).any(axis=1) & (entry[:, 0] != exit_edge[:, 1]).any(axis=1)
+    halfway = np.where(leaves, (times + ends) / 2.0, 1.0)
+    at, start, end = (
+        values[0] + halfway[:, None] * (values[1] - values[0])
+        for values in (points[:, of], edges[:, near, 0], edges[:, near, 1])
+    )
+    depths = cross_product(end - start, at - start) / np.maximum(norms(end - start), TINY)
+    # what slides along another edge is not as deep
+    deep = np.flatnonzero(inwards & (depths > on_surface[near]))
+    for some in np.array_split(deep, 1 + len(deep) * m // MAX_PAIRS):
+        surface = edges[0] + halfway[some, None, None, None] * (edges[1] - edges[0])
+        depths[some] = np.minimum(depths[some], distances_from(at[some, None], surface).min(axis=1, initial=np.inf))
+    other_side &= depths > ON_SURFACE * norms(end - start)
+    return Visits(of[inwards], near[inwards], times[inwards], ends[inwards], other_side[inwards], depths[inwards])
+
+
+def distances_from(points: Floats, edges: Floats) -> Floats:
+    """Distances of points (..., 2) from straight edges with ends (..., 2, 2)."""
+    start, chord = edges[..., 0, :], edges[..., 1, :] - edges[..., 0, :]
+    share = ((points - start) * chord).sum(axis=-1) / np.maximum((chord**2).sum(axis=-1), TINY)
+    return norms(points - start - np.clip(share, 0.0, 1.0)[..., None] * chord)
+
+
+def _crossings(
+    points: Floats, edges: Floats, on_surface: Floats, of: Ints, near: Ints
+) -> tuple[Ints, Ints, Floats, Bools, Floats]:
+    """Points, edges, times, whether inwards, and normals of the edges then, of the crossings of pairs of both."""
+    start, chord = edges[:, near, 0], edges[:, near, 1] - edges[:, near, 0]
+    vector = points[:, of] - start
+    first, last = cross_product(chord, vector)  # at both ends of the move
+    changes = chord[1] - chord[0], vector[1] - vector[0]
+    change = cross_product(*changes)
+    rate = last - first - change
+    entered = (first >= 0.0) & (first <= on_surface[near] * norms(chord[0]))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # both roots of change t^2 + rate t + first
+        root = -(rate + np.where(rate < 0.0, -1.0, 1.0) * np.sqrt(rate**2 - 4.0 * change * first)) / 2.0
+        times = np.stack((root / change, first / root, np.where(entered, 0.0, np.nan)))
+    number, pair = np.nonzero((times >= 0.0) & (times <= 1.0))
+    t = times[number, pair]
+    edge, at = (
+        values[0][pair] + t[:, None] * more[pair] for values, more in zip((chord, vector), changes, strict=True)
+    )
+    share = (edge * at).sum(axis=1) / np.maximum((edge**2).sum(axis=1), TINY)
+    slope, starts = rate[pair] + 2.0 * change[pair] * t, number == len(times) - 1
+    # what only touches does not cross, and what starts on the surface is there already
+    on = (share >= 0.0) & (share <= 1.0) & (starts | ((slope != 0.0) & ~(entered[pair] & (slope > 0.0) & (t == 0.0))))
+    normals = turned_right(edge[on]) / np.maximum(norms(edge[on]), TINY)[:, None]
+    return of[pair[on]], near[pair[on]], t[on], (starts | (slope > 0.0))[on], normals
 
 
 def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:

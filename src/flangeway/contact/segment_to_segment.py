@@ -315,6 +315,10 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
 MIN_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
+SETTLED_COVERED = 1e-9
+"""The same where an iteration cycles: a node opposite a corner of the primary covers it or not by the slightest slide,
+and the constraint of such a sliver is the whole gap of the corner."""
+
 MAX_FLAT_ANGLE = np.deg2rad(20.0)
 """Angle up to which a secondary edge lies flat on primary ones: far above that of the chords of coarse curves, which it
 meets in turn, and below that of the sides of a sharp corner."""
@@ -430,9 +434,12 @@ class SegmentToSegment(Pairing):
         primary_edges: Floats,
         kept: Ints,  # noqa: ARG002 (gaps are continuous: no constraint has a partner)
         *,
-        settle: bool = False,  # noqa: ARG002 (the same)
+        settle: bool = False,
     ) -> SegmentPairs:
-        """Find the pieces that are open by less than two mean primary edges; see `Pairing.pair`."""
+        """Find the pieces that are open by less than two mean primary edges; see `Pairing.pair`.
+
+        ``settle``: hat functions have a constraint down to `SETTLED_COVERED`.
+        """
         hats = secondary.hats
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = 2.0 * float(np.linalg.norm(chords, axis=1).mean())
@@ -449,7 +456,7 @@ class SegmentToSegment(Pairing):
         covered = np.zeros(len(hats.nodes))
         np.add.at(covered, of_piece, integrals.lengths)
         thickness = secondary.part.body.depth
-        keys = np.flatnonzero(covered * thickness > MIN_COVERED * hats.areas)
+        keys = np.flatnonzero(covered * thickness > (SETTLED_COVERED if settle else MIN_COVERED) * hats.areas)
         if len(keys) == 0:  # at most slivers, which carry nothing
             pieces = pieces.take(np.empty(0, dtype=np.int64))
             integrals = _integrals(pieces, edges, primary_edges, secondary)

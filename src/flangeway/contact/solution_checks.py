@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cache, cached_property, reduce
 
 import numpy as np
 import shapely
@@ -19,6 +19,7 @@ from flangeway.contact.force_errors import (
 from flangeway.contact.kinematics import as_complex, as_vectors, shape_functions
 from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
+from flangeway.contact.search import MAX_ROTATION_STEP, on_path, visits
 from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, ContactSystem
 from flangeway.geometry import Placement
@@ -37,9 +38,6 @@ SAMPLES = np.linspace(0.0, 1.0, 6)[:, None]
 
 MAX_PASSAGE_DEPTH = 1e-6
 """Depth relative to the size of the smaller body up to which bodies that slide along each other are apart."""
-
-MAX_ROTATION_STEP = 0.05
-"""Rotation in rad between two positions of a path that is checked."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +222,7 @@ class BodyOverlap:
         who = f"{one} overlaps itself" if one == other else f"{one} and {other} overlap"
         return (
             f"{who} by {self.depth:.3g} at ({x:.4g}, {y:.4g}), where contact and "
-            f"the chords of curves explain {self.allowed:.1e}; give all edges that may touch, move in smaller steps, "
+            f"the chords of curves explain {self.allowed:.1e}; give all edges that may touch, "
             "or take a finer mesh there"
         )
 
@@ -304,9 +302,8 @@ def _between(system: ContactSystem, state: ContactState, one: Part, other: Part)
 def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]:
     """Sentences about parts of a contact of which one moved through the other from one load step to the next.
 
-    Parts that press on each other before or after a step have met. The way is that of the parts' final motions, those
-    by handles and the mean displacement of their surfaces included, so that a part that was pushed aside is no obstacle
-    and one that given displacements move is one.
+    Whole deformed boundaries count, on straight ways, or on arcs where parts turn. Parts that press on each other
+    before or after a step have met: there the iteration has followed the surfaces in contact.
 
     Parameters
     ----------
@@ -317,55 +314,63 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
+    undeformed = [
+        (part.placement, Boundary.of_part(part, part.placement.points(part.body.nodes))) for part in system.parts
+    ]
+    at = cache(lambda step: undeformed if step == 0 else _placed_boundaries(system, states[step - 1]))
     for one, other in dict.fromkeys(contact.parts for contact in system.contacts):
+        pressed = [False, *(_press_on_each_other(system, state, {one, other}) for state in states)]
         numbers = system.parts.index(one), system.parts.index(other)
-        apart = [(one.placement, other.placement)]
-        ways, smallest = [], MAX_PASSAGE_DEPTH * min(one.body.size, other.body.size)
-        for state in states:
-            (stop, bent), (other_stop, other_bent) = (_shifted(system, state, number) for number in numbers)
-            solved = system.solved(state.linearisation, state.forces)
-            if any(contact.forces.any() for contact in solved if set(contact.contact.parts) == {one, other}):
-                apart = []
-                continue
-            ways += [([*apart[-1:], (stop, other_stop)], smallest + bent + other_bent)]
-            apart = [(stop, other_stop)]
-        if one is not other and any(passes_through(one, other, way, least) for way, least in ways if len(way) == 2):
+        ways = (
+            [[at(step)[number] for number in numbers] for step in steps]
+            for steps in itertools.pairwise(range(len(pressed)))
+            if one is not other and not any(pressed[step] for step in steps)
+        )
+        if any(passes_through(one, other, *way) for way in ways):
             errors.append(
-                f"{one.name} moved through {other.name}: they overlap on the way, and do not touch after it; move it "
-                "less, or in smaller steps"
+                f"{one.name} moved through {other.name}: they overlap on the way, and do not touch after it; give all "
+                "edges that may touch, or move it less"
             )
     return errors
 
 
-def _shifted(system: ContactSystem, state: ContactState, number: int) -> tuple[Placement, float]:
-    """Placement of a part shifted by its surfaces' mean displacement, and how far displacements are from this mean."""
-    placement = state.placements[number]
-    displaced = state.positions[system.rows_of(number)] - placement.points(system.surface_nodes[number].points)
-    x, y = displaced.mean(axis=0).tolist()
-    return Placement(0.0, (x, y)).after(placement), float(np.linalg.norm(displaced - (x, y), axis=1).max())
+def _press_on_each_other(system: ContactSystem, state: ContactState, both: set[Part]) -> bool:
+    solved = system.solved(state.linearisation, state.forces)
+    return any(contact.forces.any() for contact in solved if set(contact.contact.parts) == both)
 
 
-def passes_through(one: Part, other: Part, way: Sequence[tuple[Placement, Placement]], apart: float) -> bool:
-    """Whether undeformed parts overlap by more than a distance between two placements of both.
+PlacedBoundary = tuple[Placement, Boundary]
+
+
+def _placed_boundaries(system: ContactSystem, state: ContactState) -> list[PlacedBoundary]:
+    """Placement and deformed boundary of each part in a solution."""
+    assert state.response is not None
+    fields = state.response.fields(state.response.rotations(state.placements), state.nodal_forces)
+    return list(zip(state.placements, deformed_boundaries(system, state.response, state, fields), strict=True))
+
+
+def passes_through(one: Part, other: Part, before: Sequence[PlacedBoundary], after: Sequence[PlacedBoundary]) -> bool:
+    """Whether one of two parts moves through the other, or into it, from boundaries before to those after.
 
     Parts that meet do so with a vertex of one boundary, or the middle of an edge, in the other part.
     """
     bodies = (one, other)
+    turns = [abs(last.rotation_rad - first.rotation_rad) for (first, _), (last, _) in zip(before, after, strict=True)]
+    shares = np.linspace(0.0, 1.0, 2 + int(max(turns) / MAX_ROTATION_STEP)).tolist()
+    segments = []  # of both parts at each share
+    for (first, start), (last, end) in zip(before, after, strict=True):
+        both = np.stack((start.segments.reshape(-1, 2), end.segments.reshape(-1, 2)))
+        segments.append(np.stack([on_path(first, last, both, share).reshape(-1, 2, 2) for share in shares]))
+    allowed = MAX_PASSAGE_DEPTH * min(body.body.size for body in bodies)
+    allowed += sum(float(boundary.sagittas.max()) for _, boundary in before)
     for mover, target in ((0, 1), (1, 0)):
         if not bodies[target].body.boundary_is_closed:
             continue
-        first, last = (placements[target].inverse().after(placements[mover]) for placements in way)
-        motion = last.after(first.inverse())
-        shares = np.linspace(0.0, 1.0, 2 + int(abs(motion.rotation_rad) / MAX_ROTATION_STEP)).tolist()
-        (x, y), angle = motion.translation, motion.rotation_rad
-        frames = [Placement(share * angle, (share * x, share * y)).after(first) for share in shares]
-        moved, still = (Boundary.of_part(part, part.body.nodes) for part in (bodies[mover], bodies[target]))
-        points = np.concatenate((moved.segments[:, 0], moved.segments.mean(axis=1)))
-        ways = shapely.linestrings(np.stack([frame.points(points) for frame in frames], axis=1))
-        core = shapely.buffer(still.area, -apart - moved.sagittas.max() - still.sagittas.max())
-        shapely.prepare(core)
-        if shapely.intersects(core, ways).any():
-            return True
+        points = np.concatenate((segments[mover][:, :, 0], segments[mover].mean(axis=2)), axis=1)
+        for step in itertools.pairwise(range(len(shares))):
+            entry = visits(points[list(step)], segments[target][list(step)], np.full(len(segments[target][0]), allowed))
+            if (entry.other_side | (entry.depths > allowed)).any():
+                return True
     return False
 
 
@@ -439,7 +444,7 @@ def check_solution(
     if not (force <= MAX_RESIDUAL and moment <= MAX_RESIDUAL):
         errors.append(
             f"forces of the contacts and loads are unbalanced by {force:.1e} of the maximum force, moments by "
-            f"{moment:.1e} of it times the size; move in smaller steps, or take another pairing"
+            f"{moment:.1e} of it times the size; take another pairing"
         )
     inverted, strain, turn = 0, 0.0, 0.0
     for part, field in zip(system.parts, fields, strict=True):

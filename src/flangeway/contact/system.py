@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -13,7 +13,6 @@ from flangeway.checks import are_all, is_finite, refused
 from flangeway.contact.guards import (
     Guards,
     corners_on_corners,
-    corners_under_force,
     guarded,
     key_starts,
     penetrating,
@@ -22,6 +21,7 @@ from flangeway.contact.guards import (
 from flangeway.contact.kinematics import Slides
 from flangeway.contact.pairs import Constraints, Enforcement, Pairing, Pairs
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.search import visits
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
@@ -381,6 +381,12 @@ MAX_OVERLAP = 0.2
 elements at the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use.
 Nodes that bending on both sides puts deeper get a constraint of their own."""
 
+SHALLOW = 0.1
+"""Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
+
+SIMULTANEOUS = 1e-6
+"""Difference of times, as parts of a move, at which nodes enter another surface together."""
+
 LARGE_OVERLAP = 0.05
 """The same, above which it is said."""
 
@@ -395,6 +401,17 @@ class SolvedContact(NamedTuple):
     pairs: Constraints
     inside: slice
     forces: Floats
+
+
+class Entry(NamedTuple):
+    """Where nodes enter another surface on a straight move.
+
+    - `time`: part of the move after which the first one does.
+    - `guards`: which nodes of each contact's secondary and primary surface do then.
+    """
+
+    time: float
+    guards: tuple[Guards, ...]
 
 
 class ContactSystem:
@@ -441,6 +458,11 @@ class ContactSystem:
         """Mean length of the edges of a primary surface, that of the contact where it is least."""
         return min(float(contact.primary.edge_lengths.mean()) for contact in self.contacts)
 
+    @property
+    def without_friction(self) -> "ContactSystem":
+        """The same contacts without friction."""
+        return ContactSystem([replace(contact, friction=0.0) for contact in self.contacts])
+
     def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
         """The contacts with their parts of a linearisation and of the forces of its constraints."""
         ends = np.cumsum([0, *(len(pairs.keys) for pairs in lin.pairs)]).tolist()
@@ -472,18 +494,12 @@ class ContactSystem:
         none = [unguarded(contact.sides) for contact in self.contacts]
         return self._with(none if previous is None else previous.guarded_nodes, positions, previous, settle=settle)
 
-    def unguarded(self, positions: Floats, lin: ContactLinearisation, forces: Floats) -> ContactLinearisation:
-        """Linearise about the positions of ``lin`` without guarded nodes; itself if it has none.
-
-        Those of sharp corners under force stay: no other constraint has what such a corner presses on.
-        """
+    def unguarded(self, positions: Floats, lin: ContactLinearisation) -> ContactLinearisation:
+        """Linearise about the positions of ``lin`` without guarded nodes; itself if it has none."""
         if not any(mask.any() for sides in lin.guarded_nodes for mask in sides):
             return lin
-        kept = [
-            corners_under_force(pairs, contact.sides, part_forces)
-            for contact, pairs, _, part_forces in self.solved(lin, forces)
-        ]
-        return self._with(kept, positions, lin, settle=False)
+        none = [unguarded(contact.sides) for contact in self.contacts]
+        return self._with(none, positions, lin, settle=False)
 
     def guarded(
         self, positions: Floats, lin: ContactLinearisation, forces: Floats, moved: float
@@ -506,6 +522,50 @@ class ContactSystem:
             )
             guarded_nodes.append((one, other))
         return self._with(guarded_nodes, positions, lin, settle=False) if more else None
+
+    def entered(self, before: Floats, after: Floats, lin: ContactLinearisation) -> Entry | None:
+        """Where nodes go into another surface on a straight move, and no constraint after it has a gap that shows it.
+
+        None if there are none.
+
+        - `before`, `after`: positions of the surface nodes, each (n_nodes, 2).
+        - `lin`: linearisation of the contacts about those after the move.
+        """
+        points = np.stack((self._all_points(before), self._all_points(after)))
+        all_entries: list[tuple[int, int, Ints, Floats]] = []
+        for number, contact in enumerate(self.solved(lin, lin.gaps)):
+            sides = contact.contact.sides
+            at = [points[:, self._points[id(side)]] for side in sides]
+            closed = contact.pairs.nodes[contact.forces < 0.0]  # its forces are gaps here
+            shown = np.any(np.isin(sides[0].edge_places, closed), axis=1)
+            on_shown = np.zeros(len(sides[0].nodes), dtype=np.bool_)
+            on_shown[sides[0].edge_places[np.flatnonzero(shown)]] = True
+            for side, other in ((0, 1), (1, 0)):
+                places, n = sides[other].contact_places, len(sides[side].nodes)
+                pieces = np.stack((places[:, :-1].ravel(), places[:, 1:].ravel()), axis=1)
+                edges = at[other][:, pieces]
+                depths = SHALLOW * np.linalg.norm(edges[0, :, 1] - edges[0, :, 0], axis=1)
+                entry = visits(at[side][:, :n], edges, depths)
+                shows = on_shown[entry.points] if side == 0 else shown[entry.edges // (places.shape[1] - 1)]
+                deep = (entry.depths > depths[entry.edges]) & ~(shows & (entry.ends == 1.0))
+                # constraints of its own hold a node that has any, unless it goes right through
+                deep = entry.other_side | (deep & (lin.guarded_nodes[number][side][entry.points] == 0.0))
+                all_entries.append((number, side, entry.points[deep], entry.times[deep]))
+        first = min((float(times.min(initial=np.inf)) for *_, times in all_entries), default=np.inf)
+        if first > 1.0:
+            return None
+        guards = tuple(unguarded(contact.sides) for contact in self.contacts)
+        for number, side, nodes, times in all_entries:
+            guards[number][side][nodes[times <= first + SIMULTANEOUS]] = 1.0
+        return Entry(first, guards)
+
+    def guarded_too(
+        self, positions: Floats, lin: ContactLinearisation, guards: Sequence[Guards]
+    ) -> ContactLinearisation:
+        """Linearise about positions (n_nodes, 2) with those nodes guarded that are in ``lin``, and others."""
+        pairs = zip(lin.guarded_nodes, guards, strict=True)
+        both = [(np.maximum(one, more[0]), np.maximum(two, more[1])) for (one, two), more in pairs]
+        return self._with(both, positions, lin, settle=False)
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
         """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
@@ -570,6 +630,13 @@ class ContactSystem:
             node = int(surface.edge_places[node - len(surface.nodes), 0])
         x, y = positions[self.nodes_of(surface)[node]]
         return f"node {surface.nodes[node]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
+
+    def describe_entry(self, entry: Entry, positions: Floats) -> str:
+        """Name the bodies of which one moved through the other, and where it entered among positions (n_nodes, 2)."""
+        number, side = next((i, side) for i, sides in enumerate(entry.guards) for side in (0, 1) if sides[side].any())
+        surface, other = self.contacts[number].sides[:: 1 - 2 * side]
+        x, y = positions[self.nodes_of(surface)[int(entry.guards[number][side].argmax())]]
+        return f"{surface.part.name} moved through {other.part.name} at ({x:.6g}, {y:.6g})"
 
     def _all_points(self, positions: Floats) -> Floats:
         """Surface nodes at positions (n_nodes, 2), and the points of `Surface.bends`."""

@@ -41,8 +41,13 @@ NEUTRAL_STIFFNESS = 1.0
 holds it is the curvature of surfaces under load, or the error of the meshes, not the materials."""
 NEUTRAL_FORCE = 1e-3
 """Force along a neutral motion relative to the forces on the part, below which the motion is kept zero."""
+MIN_SPRING = 1e-4
+"""Stiffness of the softest springs relative to those that are chosen first: more digits are lost below."""
 MIN_COMPONENT = 0.03
 """Component of a neutral motion below which it is none of it: other motions are in equilibrium exactly."""
+
+MAX_MOTION = 1e3
+"""Motion relative to the size of the parts above which only round-off of a stiffness holds it."""
 
 UNHELD_FORCE = 1e-5
 """Force that springs against the motions of a step hold, or that equations leave, relative to the forces along the
@@ -126,6 +131,15 @@ class Motions:
         unstable = max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
         spring = stiffness * (float(compliance.max(initial=0.0)) or 1.0) + 2.0 * unstable
         return replace(self, stiffness=self.stiffness - spring * np.eye(len(self.residual)))
+
+    def softly_sprung(self, sprung: "Motions", forces: Floats) -> "Motions":
+        """With the springs of another one, but as soft as lets the forces on a part move it by its size.
+
+        At least `MIN_SPRING` of those springs stay.
+        """
+        stiff = np.diagonal(self.stiffness - sprung.stiffness)
+        soft = np.clip(self.loads(forces) / self.sizes, MIN_SPRING * stiff, stiff)
+        return replace(self, stiffness=self.stiffness - np.diag(soft))
 
     def compliances(self) -> Floats:
         """Displacement that the motions add to that by each constraint's own force, shape (k,)."""
@@ -301,7 +315,8 @@ class DenseEquations:
             stiffness = resultants @ by_unit[:, :n] - self.motions.stiffness
             loads = self.motions.residual - resultants @ by_unit[:, n]
             motions = equations(stiffness, loads)
-            if np.abs(stiffness @ motions - loads).max() > UNHELD_FORCE * np.abs(loads).max():
+            unheld = np.abs(stiffness @ motions - loads).max() > UNHELD_FORCE * np.abs(loads).max()
+            if unheld or np.abs(motions).max() > MAX_MOTION * self.motions.sizes.max():
                 return None
         forces[rows] = -by_unit @ np.append(motions, 1.0)
         if self.laws.friction:

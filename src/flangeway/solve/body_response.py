@@ -314,6 +314,11 @@ class BodyResponse(ABC):
                 parts[-1] = parts[-1] + placement.vectors(moved)
         return np.concatenate(parts)
 
+    def undeformed(self, placements: Sequence[Placement]) -> Floats:
+        """Positions of the surface nodes without any load, shape (n_nodes, 2)."""
+        pairs = zip(self.surfaces, placements, strict=True)
+        return np.concatenate([placement.points(surface.points) for surface, placement in pairs])
+
     def resultant(self, number: int, placement: Placement, pivot: Floats) -> Floats:
         """Force x, y and moment about a point of space of a placed body's loads, and its derivative by the angle."""
         if number not in self._loads:

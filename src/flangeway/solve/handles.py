@@ -253,9 +253,12 @@ class Handles:
 
     def untouched(self, nodes: Ints) -> Bools:
         """Which motions are of handles without any of some surface nodes, shape (n,)."""
-        touched = set(self._response.body_of_node[nodes].tolist())
-        alone = [touched.isdisjoint(members) for members in self._members]
-        return np.repeat(np.array(alone, dtype=np.bool_), np.diff(self.starts))
+        return ~self.of_bodies(np.unique(self._response.body_of_node[nodes]))
+
+    def of_bodies(self, bodies: Ints) -> Bools:
+        """Which motions move one of some bodies, shape (n,)."""
+        moved = [not set(bodies.tolist()).isdisjoint(members) for members in self._members]
+        return np.repeat(np.array(moved, dtype=np.bool_), np.diff(self.starts))
 
     @property
     def springs(self) -> Floats:
