@@ -82,7 +82,8 @@ def test_a_pile_of_cylinders_comes_to_rest() -> None:
 
     def round_on(one: Part, other: Part, side: str = "") -> Contact:
         edges = other.body.mesh.edge_sets[side] if side else other.body.boundary_edges
-        surfaces = Surface(one, one.body.boundary_edges), Surface(other, edges)
+        drawn = circle(2.0)
+        surfaces = Surface(one, one.body.boundary_edges, drawn), Surface(other, edges, None if side else drawn)
         return Contact(*surfaces, SegmentToSegment(), Multiplier(), 0.1)
 
     contacts = [round_on(upper, part) for part in lower]

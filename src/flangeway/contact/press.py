@@ -268,8 +268,8 @@ def press(
         its shift are that share. A sequence of them is a path: press, then push, then reverse; each follows those
         before it. With friction the result depends on the path, and slip is counted from one step to the next, from
         the first placements on: a point that closes in a step has slipped since the step began.
-        Parts on handles that have a gap at the start first find their equilibrium without friction, under a thousandth of the
-        loads and of the motion.
+        Parts on handles that have a gap at the start first find their equilibrium without friction, under a thousandth
+        of the loads and of the motion.
     loads
         Force x, y and moment on the held edges and points of parts, which then move together as a rigid handle where
         the contacts hold it, by part; None in place of a number: the handle does not move in that way, or by its
