@@ -190,7 +190,7 @@ def stop_part(name: str, kind: str, size: float) -> Part:
     elif kind == "cantilever":
         mesh, held = rectangle_grid(40.0, 2.0, 40, 2, origin=(-4.0, -2.0)), "right"
     else:
-        angles = np.linspace(0.0, np.pi, 9 if kind == "round" else 3)
+        angles = np.linspace(0.0, np.pi, 5 if kind == "round" else 3)
         top = [(3.0 * float(np.cos(angle)), 3.0 * float(np.sin(angle)) - 3.0) for angle in angles]
         points = [(-3.0, -5.0), (3.0, -5.0), *top]
         mesh = triangulate(polygon(points, names=["bottom", *(f"side {i}" for i in range(len(points) - 1))]), size=size)
