@@ -195,5 +195,11 @@ def test_chords_of_two_arcs_explain_their_sagittas_alone():
 def test_a_path_through_a_body_is_seen_however_thin_it_is(y, passes):
     """A box that moves far past a thin plate goes through it where their heights overlap."""
     moved, plate = part_of(rectangle_grid(1.0, 1.0, 1, 1)), part_of(rectangle_grid(1e-3, 1.0, 1, 1))
-    path = [(Placement(0.0, (x, y)), Placement()) for x in (-100.0, 100.0)]
-    assert passes_through(moved, plate, path, 1e-6) == passes
+    before, after = (
+        [
+            (placement, Boundary.of_part(part, placement.points(part.body.nodes)))
+            for part, placement in ((moved, Placement(0.0, (x, y))), (plate, Placement()))
+        ]
+        for x in (-100.0, 100.0)
+    )
+    assert passes_through(moved, plate, before, after) == passes
