@@ -131,7 +131,7 @@ WRONG = [
     ({"wheel_radius_in": 2.0}, ["wheel_radius_in = 2.0\n", "a number from 5.90551", "default 18.1102"]),
     ({"axle_load_kips": 70}, ["did you mean axle_load_kip?"]),
     ({"gauge_in": 30.0}, ["gauge_in = 30 without back_to_back_mm"]),
-    ({"gauge_mm": 800.0, "units": "us"}, ["gauge_in = 31.5 without", "near 56.5, 59.84, 62.99, 65.67 in"]),
+    ({"gauge_mm": 800.0, "units": "us"}, ["gauge_in = 31.5 without", "known, 56.5, 59.84, 62.99, 65.67 in"]),
     ({"units": "imperial"}, ["units is metric or us"]),
 ]
 

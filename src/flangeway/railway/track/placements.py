@@ -17,7 +17,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings
-from flangeway.results import joined_text, sentence
+from flangeway.results import joined_text, sentence, with_unit
 from flangeway.types import Floats
 
 Side = Literal["left", "right"]
@@ -79,13 +79,11 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
     for usual in USUAL_GAUGES:
         if usual.includes(gauge_mm):
             return usual
-    known = joined_text(
-        ", ",
-        (sentence("{:g (mm)} to {:g mm}", usual.gauge_mm - NARROWING_MM, usual.widest_mm) for usual in USUAL_GAUGES),
-    )
     raise InputError(
         sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
-        "gauge_mm and back_to_back_mm; without the latter a gauge whose wheelsets are known: " + known,
+        "gauge_mm and back_to_back_mm, or a gauge whose wheelsets are known, "
+        + joined_text(", ", (with_unit(usual.gauge_mm, "(mm)") for usual in USUAL_GAUGES[:-1]))
+        + sentence(", {:g mm}, somewhat narrowed or widened", USUAL_GAUGES[-1].gauge_mm),
         "give the distance between the wheels' inner faces as back_to_back_mm",
     )
 
