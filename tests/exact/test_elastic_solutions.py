@@ -5,12 +5,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flangeway.elements import StabilisationFree
+from flangeway.elements import Lagrange, StabilisationFree
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, PlateWithHole, ThickCylinder
 from flangeway.exact.half_space import half_space_stresses
 from flangeway.exact.shakedown import shakedown_limits
+from flangeway.geometry import square
 from flangeway.materials import Elastic
+from flangeway.mesh import dual, triangulate, voronoi
+from flangeway.problems import Elasticity, Harmonic, PrescribedDisplacement, Pressure, Traction
+from flangeway.solve import solve_elasticity, solve_harmonic
 from flangeway.space import Space
 from studies.forms import half_plastic, mapped, rim_displacement, ring
 
@@ -174,3 +178,32 @@ def _of_surface() -> Fields:
     for each in (pressed, sheared):
         each[:, -1] = 0.0
     return pressed, sheared
+
+
+RING = square(1.0, (1.5, 0.5))
+POLYGONS = {"voronoi": lambda: voronoi(RING, 100), "duals": lambda: dual(triangulate(RING, size=0.15))}
+
+
+@pytest.mark.parametrize("name", POLYGONS)
+@pytest.mark.parametrize(("order", "tolerance"), [(1, 8e-3), (2, 5e-4), (3, 2e-5)])
+def test_rings_without_stabilisation_have_the_energy_of_the_thick_cylinder(name, order, tolerance):
+    """Half of the pressure times the displaced bore, Lame in plane strain."""
+    supports = [PrescribedDisplacement(edges, y=0.0) for edges in ("bottom", "top")]
+    space, material = Space(POLYGONS[name](), StabilisationFree(order)), Elastic(200.0, 0.3, "axisymmetric")
+    problem = Elasticity(space, material, loads=[Pressure("left", 1.0)], supports=supports)
+    energy = 0.5 * np.sum(problem.load_vector() * solve_elasticity(problem).displacements)
+    displaced = ThickCylinder(1.0, 2.0, 1.0).radial_displacement(1.0, 200.0, 0.3, plane_strain=True)
+    assert energy == pytest.approx(np.pi * displaced, rel=tolerance)
+
+
+@pytest.mark.parametrize("hypothesis", ["plane_strain", "axisymmetric"])
+@pytest.mark.parametrize(("order", "tolerance"), [(1, 8e-3), (2, 8e-4), (3, 3e-4)])
+def test_waves_without_stabilisation_have_the_energy_of_finite_elements(hypothesis, order, tolerance):
+    """Two waves around a ring, and a wave along a prism, beside triangles of order 3."""
+
+    def energy(mesh, element):
+        body = Elasticity(Space(mesh, element), Elastic(200.0, 0.3, hypothesis), loads=[Traction("top", (0.0, 1.0))])
+        return solve_harmonic(Harmonic(body, held={"bottom": "xyz"}), 2.0).energy
+
+    expected = energy(triangulate(RING, size=0.08), Lagrange(3))
+    assert energy(POLYGONS["voronoi"](), StabilisationFree(order)) == pytest.approx(expected, rel=tolerance)

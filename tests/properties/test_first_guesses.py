@@ -45,6 +45,21 @@ def test_the_solution_of_a_degenerate_diffusion_is_that_of_every_guess(name, ord
     assert error_norms(space, solutions[0], exact, gradient).l2 < (0.02 if order == 1 else 0.003)
 
 
+@pytest.mark.parametrize("guess", [-30.0, -10.0, 10.0])
+def test_steps_to_where_a_law_overflows_are_halved(guess):
+    """``div(exp(u) grad u) = 0``, from where full steps overflow: near the logarithm of a harmonic function."""
+    space = Space(MESHES["voronoi"](), Virtual(1))
+    fixed, prescribed = space.boundary_dofs(), interpolate(space, lambda p: 3.0 * np.log(exact(p)))
+    start = guess * interpolate(space, lambda p: np.ones(len(p)))
+    start[fixed] = prescribed[fixed]
+    with np.errstate(all="ignore"):
+        solution = newton(
+            space, lambda u, v, _: np.exp(u.value) * (u.gradient * v.gradient).sum(axis=1), start, fixed=fixed
+        )
+    assert solution.status.converged
+    np.testing.assert_allclose(solution.dofs, prescribed, atol=0.05)
+
+
 @pytest.mark.parametrize(("problem", "name"), [(rubber, "squares"), (metal, "squares"), (metal, "not convex")])
 def test_loads_along_other_paths_and_repeated_loads_have_the_same_solution(problem, name):
     """Neo-Hooke along five paths, and hardening J2 unloaded in part and loaded again: the displacements to 1e-6."""

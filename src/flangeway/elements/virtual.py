@@ -301,6 +301,14 @@ MIN_ENERGY = 1e-11
 """Eigenvalue of a cell's energy in its own frame relative to the maximum, below which it is round-off."""
 
 
+class _Energetic(Reconstruction):
+    """Gradients of a higher degree; the value is the L2 projection of the degree of the element."""
+
+    @property
+    def projected_value(self) -> Floats:
+        return self.value
+
+
 @dataclass(frozen=True, eq=False)
 class _Enlarged(Reconstruction):
     """The reconstruction of a virtual element, and the gradients of a higher degree that its stiffness is made of."""
@@ -389,9 +397,14 @@ class StabilisationFree(Element):
         plain = Virtual(self.order).reconstruct(vertices)
         degree = self.degree_of(len(vertices))
         while True:
-            cells = Polygons.of(vertices, max(degree, self.order), principal_frame(vertices))
-            energetic = Reconstruction(
-                degree + 1, plain.frame, plain.value, cells.moments, plain.monomial_dofs, _moments(cells, plain, degree)
+            cells = Polygons.of(vertices, degree + 1, principal_frame(vertices))
+            energetic = _Energetic(
+                degree + 1,
+                plain.frame,
+                plain.projected_value,
+                cells.moments,
+                plain.monomial_dofs,
+                _moments(cells, plain, degree),
             )
             if self.degree is not None or not _free_motions(energetic, 1).any() or degree == HIGHEST_DEGREE:
                 break

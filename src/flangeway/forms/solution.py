@@ -17,6 +17,7 @@ from flangeway.forms.weak import (
     Field,
     Form,
     FormRegion,
+    NotFiniteError,
     PointValues,
     Values,
     assembled_form,
@@ -459,15 +460,17 @@ def newton(
             break
         if iteration == 1:
             problem.check_tangent(u, matrix - stabilisation)
-        step = factor.solve(-unbalanced)
+        base, step = u, factor.solve(-unbalanced)
         step.ravel()[~factor.free] = 0.0
         for fraction in 0.5 ** np.arange(MAX_HALVINGS):
-            trial = u + fraction * step
-            residual, matrix, stabilisation = problem.linearised(trial)
+            try:
+                residual, matrix, stabilisation = problem.linearised(base + fraction * step)
+            except NotFiniteError:  # the form has no value so far away
+                continue
+            u = base + fraction * step
             size = float(np.linalg.norm((residual - given).ravel()[factor.free]))
             if size <= (1.0 - SUFFICIENT_DECREASE * fraction) * norms[-1]:
                 break
-        u = trial
     works = [abs(float(u.ravel() @ (part @ u.ravel()))) for part in (stabilisation, matrix - stabilisation)]
     after = "" if converged else f" after {max_iterations} iterations"
     status = Status(converged, f"the residual is {norms[-1]:.1e}{after}", iteration)

@@ -227,15 +227,17 @@ def unit_fields(n: int, m: int, n_jets: int) -> list[PointValues]:
     return result
 
 
+class NotFiniteError(InputError):
+    """A form that is not finite somewhere."""
+
+
 def integrand(values: ArrayLike, n: int) -> Values:
     """Values of a form at n points, checked."""
-    result = np.asarray(values)
-    if result.shape not in ((), (n,)) or not np.isfinite(result).all():
-        raise InputError(
-            f"a form with an integrand of shape {result.shape}, or one that is not finite",
-            f"({n},) finite numbers: one for each of the points",
-            "sum over components with axis=-1",
-        )
+    result, allowed = np.asarray(values), f"({n},) finite numbers: one for each of the points"
+    if result.shape not in ((), (n,)):
+        raise InputError(f"a form with an integrand of shape {result.shape}", allowed, "sum over components, axis=-1")
+    if not np.isfinite(result).all():
+        raise NotFiniteError("a form that is not finite", allowed, "change it, or its first unknowns")
     return np.broadcast_to(result, (n,))
 
 

@@ -116,10 +116,8 @@ def _about_axis(batch: CellBatch, reconstruction: Reconstruction) -> StrainOpera
     order = reconstruction.order
     n_low, n_below = n_monomials(order - 1), n_monomials(order - 2)
     radius = _radius(reconstruction)
-    all_moments = reconstruction.moments
-    value_moments = np.einsum(
-        "abe,bme->ame", monomials.mass(order, all_moments)[:n_low], reconstruction.projected_value
-    )
+    all_moments, value = reconstruction.moments, reconstruction.projected_value
+    value_moments = np.einsum("abe,bme->ame", monomials.mass(order, all_moments)[:n_low, : len(value)], value)
     moments = np.empty((n_low, 3, *value_moments.shape[1:]))
     moments[:, :2] = _boundary_moments(batch, reconstruction)
     moments[:, 0] -= value_moments
@@ -149,20 +147,21 @@ def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
 
 def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Floats:
     """Integrals of r times monomials of degree k - 1 times traces times the normal, (n, 2, n_local, n_cells)."""
-    order, vertices, outline = reconstruction.order, batch.vertices, batch.outline
+    order, degree = batch.element.order, reconstruction.order - 1
+    vertices, outline = batch.vertices, batch.outline
     n_vertices, _, n_cells = vertices.shape
     # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
     n_points = (order * (order + 2) + 1) // 2
     if outline.ndim == 3:
-        n_points, along = order + 1, steps_around(vertices)
+        n_points, along = (order + degree) // 2 + 2, steps_around(vertices)
         outline = vertices[:, None] + gauss_lobatto(order + 1)[0][:-1, None, None] * along[:, None]
     weights, shapes, slopes = edge_rule(order, n_points)
-    result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
+    result = np.zeros((n_monomials(degree), 2, reconstruction.n_local, n_cells))
     for edge, local in enumerate(edge_unknowns(order, n_vertices)):
         nodes = edge_points(outline)[edge] - vertices[edge]
         points, tangents = (np.einsum("qj,jie->qie", table, nodes) for table in (shapes, slopes))
         points += vertices[edge]
-        values = monomials.evaluate(order - 1, reconstruction.frame.local(points))
+        values = monomials.evaluate(degree, reconstruction.frame.local(points))
         right = batched.turned_right(tangents) * weights[:, None, None]
         result[:, :, local] += np.einsum("aqe,qe,qie,qn->aine", values, points[:, 0], right, shapes, optimize=True)
     return result
@@ -381,10 +380,6 @@ class Elasticity:
         """Strains of cells as polynomials."""
         return strain_operators(batch, reconstruction, axisymmetric=self.axisymmetric)
 
-    def for_energy(self, reconstruction: Reconstruction) -> Reconstruction:
-        """Reconstruction whose strains the stiffness is made of; in a body of revolution no other than its own."""
-        return reconstruction if self.axisymmetric else reconstruction.for_energy
-
     @cached_property
     def _matrices(self) -> Floats:
         """Matrix of each material, shape (4, 4, n_materials)."""
@@ -405,7 +400,7 @@ class Elasticity:
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (2 n_local, 2 n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.outline)
-        strains = self.strains(batch, self.for_energy(reconstruction))
+        strains = self.strains(batch, reconstruction.for_energy)
         n, table = reconstruction.n_local, STRAINS[..., : strains.moments.shape[1]]
         result = np.zeros((n, 2, n, 2, len(batch.cells)))
         by_component = result.transpose(1, 3, 0, 2, 4)

@@ -228,7 +228,9 @@ class Harmonic:
         mass = monomials.mass(degree, reconstruction.moments)
         value = reconstruction.projected_value
         if degree < order:
-            moments = np.einsum("abe,bme->ame", monomials.mass(order, reconstruction.moments)[: len(mass)], value)
+            moments = np.einsum(
+                "abe,bme->ame", monomials.mass(order, reconstruction.moments)[: len(mass), : len(value)], value
+            )
             value = batched.solve(mass, moments)
         result = np.zeros((len(mass), 3, *value.shape[1:]))
         result[: n_monomials(order - 1), :2] = reconstruction.gradient
@@ -238,7 +240,7 @@ class Harmonic:
     def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats, Floats]:
         """K0, K1 and K2 of cells, each (3 n_local, 3 n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.outline)
-        slots, stress = self.slots(batch, reconstruction), self.matrices(batch)
+        slots, stress = self.slots(batch, reconstruction.for_energy), self.matrices(batch)
         n, n_cells = reconstruction.n_local, len(batch.cells)
         b0, b1 = self._tables
         parts = np.zeros((3, n, 3, n, 3, n_cells))
