@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from flangeway.campaign import Campaign, CampaignTable, results
-from flangeway.campaign.campaign_run import Chunk, compute
+from flangeway.campaign.campaign_run import RowTask, compute
 from flangeway.campaign.database import CampaignDatabase
 
 
@@ -20,6 +20,7 @@ def computed(folder: Path, text: str) -> tuple[Campaign, CampaignTable]:
         store.begin(campaign)
         waiting = store.waiting()
         for first, rows in campaign.chunks:
-            if any(row.number in waiting for row in rows):
-                store.store(rows, compute(Chunk(rows, first)).results)
+            for row in rows:
+                if row.number in waiting:
+                    store.store(row, compute(RowTask(row, first)).result)
     return campaign, results(folder / "c.sqlite")

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from flangeway.campaign import Campaign, results, run_campaign
-from flangeway.campaign.campaign_run import Chunk, compute
+from flangeway.campaign.campaign_run import RowTask, compute
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.system import workers
 from tests.processes import environment
@@ -84,8 +84,8 @@ def test_two_workers_of_a_cluster_one_of_them_killed_give_the_table_of_one_machi
     assert end.n_done == 6
     found = results(tmp_path / "c.sqlite")
     for first, rows in campaign.chunks:
-        for row, result in zip(rows, compute(Chunk(rows, first)).results, strict=True):
-            for name, value in result.values.items():
+        for row in rows:
+            for name, value in compute(RowTask(row, first)).result.values.items():
                 stored = found.rows[name][row.number - 1]
                 assert stored == (value if isinstance(value, str) else pytest.approx(value, rel=1e-9, abs=1e-12)), name
 

@@ -17,7 +17,7 @@ import pytest
 
 from flangeway.campaign import Campaign, CampaignProgress, campaign_run, results
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.campaign_run import Chunk, Outcome, compute
+from flangeway.campaign.campaign_run import Outcome, RowTask, compute
 from flangeway.campaign.database import CampaignDatabase, RowResult, export_writers
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.errors import InputError
@@ -75,7 +75,7 @@ def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
     """A row computed with others differs little from one alone, whose mesh is fine near its own contact only."""
     campaign, found = sweep
     row = campaign.rows[7]
-    (alone,) = compute(Chunk((row,))).results
+    alone = compute(RowTask(row)).result
     for name in ("vertical_mm", "left_max_pressure_MPa", "right_rail_position_x_mm", "right_half_width_mm"):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=0.08), name
     for name in ("left_vertical_force_kN", "right_vertical_force_kN"):
@@ -223,10 +223,11 @@ def test_a_result_is_stored_once(sweep, tmp_path):
     row: Row = campaign.rows[0]
     with CampaignDatabase(tmp_path / "x.sqlite") as store:
         store.begin(campaign)
-        result = compute(Chunk((row,))).results
-        assert store.store([row], result) == ["converged"]
+        result = compute(RowTask(row)).result
+        assert result.status == "converged"
+        assert store.store(row, result)
         before = results(tmp_path / "x.sqlite")
-        assert store.store([row], result) == []
+        assert not store.store(row, result)
     after = results(tmp_path / "x.sqlite")
     assert (after.rows, after.patches) == (before.rows, before.patches)
     assert not after.is_done
@@ -238,7 +239,8 @@ def test_a_finished_campaign_prints_its_numbers_as_json_with_an_export(sweep, ca
     campaign = Campaign.from_file(tmp_path / "c.toml")
     with CampaignDatabase(tmp_path / "out" / "c" / "campaign.sqlite") as store:
         store.begin(campaign)
-        store.store(campaign.rows, [RowResult("converged", "done", values={"lateral_mm": 0.0})] * len(campaign.rows))
+        for row in campaign.rows:
+            store.store(row, RowResult("converged", "done", values={"lateral_mm": 0.0}))
     status, out, err = call("campaign", "c.toml", "--export", "csv", "--json")
     assert status == 0, err
     assert json.loads(out)["rows"] == len(sweep[0].rows) == 12
@@ -352,11 +354,10 @@ def test_each_row_is_stored_as_it_ends(monkeypatch, tmp_path: Path) -> None:
     """Of rows with the same bodies each one is in the file before the next one begins, in their order."""
     stored: list[int] = []
 
-    def one(chunk):
-        assert len(chunk.rows) == 1
+    def one(_):
         if (tmp_path / "c.sqlite").is_file():
             stored.append(results(tmp_path / "c.sqlite").rows["status"].count("converged"))
-        return Outcome((RowResult("converged", "done"),), versions()["flangeway"])
+        return Outcome(RowResult("converged", "done"), versions()["flangeway"])
 
     monkeypatch.setattr(campaign_run, "compute", one)
     monkeypatch.setattr(campaign_run, "LocalWorkers", lambda *_: Here())
@@ -440,7 +441,7 @@ def test_rows_that_roll_have_their_creep_forces(tmp_path):
     rolling = 'friction = 0.3\nspeed_km_h = 80\nrolling_theory = "fastsim"\n[vary]'
     campaign = read(tmp_path, FILE.partition("lateral_mm =")[0].replace("[vary]", rolling) + "lateral_mm = [2.0]\n")
     first, rows = campaign.chunks[0]
-    (found,) = compute(Chunk(rows, first)).results
+    found = compute(RowTask(rows[0], first)).result
     assert found.status == "converged", found.message
     assert set(campaign.known_columns) == set(found.values)
     assert {"row", *found.patches[0]} == set(campaign.patch_columns)
@@ -460,7 +461,7 @@ def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(spatial_sweep,
     campaign, found = spatial_sweep
     first, rows = campaign.chunks[0]
     monkeypatch.setattr(campaign_run, "_prepared", LatestValues(1))
-    (alone,) = compute(Chunk(rows[2:3], first)).results
+    alone = compute(RowTask(rows[2], first)).result
     for name, value in alone.values.items():
         if name not in ("lateral_mm", "yaw_mrad"):
             assert found.rows[name][2] == value
@@ -484,7 +485,7 @@ def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelset
     ):
         assert len(read(tmp_path, text.format(key, values)).chunks) == 2
     both = read(tmp_path, text.format("model", '["plane", "spatial"]'))
-    (plane,) = compute(Chunk(both.rows[:1])).results
+    plane = compute(RowTask(both.rows[0])).result
     assert set(plane.values) == set(WheelsetTangentCase.from_values({}).columns())
     assert {"left_half_width_mm", "left_semi_axes_a_mm"} <= set(both.known_columns)
 
@@ -493,6 +494,6 @@ def test_a_position_that_cannot_be_reached_fails_alone(tmp_path):
     """A row beyond the rails reports the reason, in its own row."""
     campaign = read(tmp_path, FILE.replace("[-1.0, 1.0]", "[0.0, 90.0]").replace("[0.0, 5.0]", "[0.0]"))
     ((first, rows),) = campaign.chunks
-    good, bad = compute(Chunk(rows, first)).results
+    good, bad = (compute(RowTask(row, first)).result for row in rows)
     assert (good.status, bad.status) == ("converged", "failed")
     assert "derail" in bad.message

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from flangeway.campaign import Row
-from flangeway.campaign.campaign_run import Chunk, compute
+from flangeway.campaign.campaign_run import RowTask, compute
 from flangeway.cases import find_case
 from flangeway.cases.case_file import read_case
 from flangeway.elements import Lagrange
@@ -223,12 +223,12 @@ def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
     monkeypatch.setattr("flangeway.cases.bodies.presets.CookCase.run", defect)
     case = find_case("cook").from_values({})
-    (result,) = compute(Chunk((Row(1, {}, case),))).results
+    result = compute(RowTask(Row(1, {}, case))).result
     assert result.status == "failed"
     assert result.message.startswith("internal error, ZeroDivisionError (one over nothing) in ")
     assert "\n" not in result.message
     monkeypatch.setenv("FLANGEWAY_DEBUG", "1")
-    assert "Traceback" in compute(Chunk((Row(1, {}, case),))).results[0].message
+    assert "Traceback" in compute(RowTask(Row(1, {}, case))).result.message
     monkeypatch.delenv("FLANGEWAY_DEBUG")
     with pytest.raises(UnforeseenError) as caught:
         in_own_process(divmod, 1, 0)

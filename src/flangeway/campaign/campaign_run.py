@@ -4,7 +4,7 @@ import re
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -28,14 +28,14 @@ _prepared: LatestValues[Any] = LatestValues(MAX_PREPARED)
 
 
 @dataclass(frozen=True)
-class Chunk:
-    """Rows that one worker computes together.
+class RowTask:
+    """A row that a worker computes.
 
     - `prepared_for`: for positions of the same bodies, which are prepared once: the first row of all with these bodies.
-      None: each row is computed alone.
+      None: the row is computed alone.
     """
 
-    rows: tuple[Row, ...]
+    row: Row
     prepared_for: Row | None = None
 
 
@@ -46,41 +46,31 @@ class Outcome:
     - `version`: the worker's version of flangeway.
     """
 
-    results: tuple[RowResult, ...]
+    result: RowResult
     version: str
 
 
-def compute(chunk: Chunk) -> Outcome:
-    """Compute the rows of a chunk; a row that fails reports the reason and does not stop the others.
+def compute(task: RowTask) -> Outcome:
+    """Compute a row; one that fails reports the reason.
 
     A `MissingLibraryError` if the system lacks a library: then every row would fail.
     """
     with _ALONE:  # threads of one worker would share objects that are not thread-safe
-        return Outcome(_results(chunk), versions()["flangeway"])
+        return Outcome(_result(task.row.case, task.prepared_for), versions()["flangeway"])
 
 
-def _results(chunk: Chunk) -> tuple[RowResult, ...]:
-    bodies, first = None, chunk.prepared_for
+def _result(case: RunnableCase, first: Row | None) -> RowResult:
+    """Compute a case, on the bodies prepared for a row if there is one; their preparation does not count as its time."""
+    start = None
     try:
-        if first is not None:
-            bodies = _prepared.get(first.identity, first.case.prepared)
-    except MissingLibraryError:
-        raise
-    except Exception as reason:
-        return tuple(_failed(reason, 0.0) for _ in chunk.rows)
-    return tuple(_row(row.case, bodies) for row in chunk.rows)
-
-
-def _row(case: RunnableCase, bodies: Any) -> RowResult:
-    """Compute a case, on prepared bodies if these are not None."""
-    start = time.perf_counter()
-    try:
+        bodies = None if first is None else _prepared.get(first.identity, first.case.prepared)
+        start = time.perf_counter()
         run = case.run() if bodies is None else case.run_on(bodies)
         return row_of(case, run, time.perf_counter() - start)
     except MissingLibraryError:
         raise
     except Exception as reason:
-        return _failed(reason, time.perf_counter() - start)
+        return _failed(reason, 0.0 if start is None else time.perf_counter() - start)
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
@@ -167,9 +157,9 @@ def run_campaign(
     with CampaignDatabase(Path(database), fresh=fresh) as store:
         store.begin(campaign)
         run = _Run(campaign, store, progress)
-        if run.chunks:
-            n_workers = min(n_most, len(run.chunks))
-            held: Workers[Chunk, Outcome] = (
+        if run.tasks:
+            n_workers = min(n_most, len(run.tasks))
+            held: Workers[RowTask, Outcome] = (
                 ClusterWorkers(scheduler, compute) if scheduler else LocalWorkers(n_workers, compute)
             )
             try:
@@ -184,25 +174,25 @@ class _Run:
 
     def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
         waiting = store.waiting()
-        self.chunks: deque[Chunk] = deque()
+        self.tasks: deque[RowTask] = deque()
         # by the number of a row, the next one of its chunk: the worker that has the bodies becomes free for it
-        self._following: dict[int, Chunk] = {}
+        self._following: dict[int, RowTask] = {}
         for first, rows in campaign.chunks:
-            chunks = [Chunk((row,), first) for row in rows if row.number in waiting]
-            self.chunks.extend(chunks[:1])
-            self._following |= {chunk.rows[0].number: after for chunk, after in pairwise(chunks)}
+            tasks = [RowTask(row, first) for row in rows if row.number in waiting]
+            self.tasks.extend(tasks[:1])
+            self._following |= {task.row.number: after for task, after in pairwise(tasks)}
         self._store, self._progress = store, progress
         self._n_rows, self._n_before = len(campaign.rows), len(campaign.rows) - len(waiting)
         self._start = time.monotonic()
         self._counts = Counter(store.counts())
         self.report()
 
-    def go(self, workers: Workers[Chunk, Outcome]) -> None:
+    def go(self, workers: Workers[RowTask, Outcome]) -> None:
         """Have all rows computed and each stored as it ends; a row of which its worker dies fails."""
         version = versions()["flangeway"]
-        for chunk, outcome in computed(workers, self.chunks):
-            if chunk.rows[-1].number in self._following:
-                self.chunks.appendleft(self._following.pop(chunk.rows[-1].number))
+        for task, outcome in computed(workers, self.tasks):
+            if task.row.number in self._following:
+                self.tasks.appendleft(self._following[task.row.number])
             if isinstance(outcome, Outcome):
                 if outcome.version != version:
                     raise InputError(
@@ -210,9 +200,9 @@ class _Run:
                         f"workers with flangeway {version}, as here",
                         "install the same version on all machines, and start the workers again",
                     )
-                self._keep(chunk.rows, outcome.results)
+                self._keep(task.row, outcome.result)
             else:
-                self._keep(chunk.rows, [RowResult("failed", f"the worker died that computed this row: {outcome}")])
+                self._keep(task.row, RowResult("failed", f"the worker died that computed this row: {outcome}"))
 
     def report(self) -> CampaignProgress:
         """Report the progress."""
@@ -224,8 +214,8 @@ class _Run:
         self._progress(now)
         return now
 
-    def _keep(self, rows: Sequence[Row], results: Sequence[RowResult]) -> None:
-        for status in self._store.store(rows, results):
+    def _keep(self, row: Row, result: RowResult) -> None:
+        if self._store.store(row, result):
             self._counts[WAITING] -= 1
-            self._counts[status] += 1
+            self._counts[result.status] += 1
         self.report()

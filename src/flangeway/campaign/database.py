@@ -4,7 +4,7 @@ import csv
 import importlib
 import json
 import sqlite3
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -163,13 +163,13 @@ class CampaignDatabase:
         """Number of rows by status."""
         return dict(self._connection.execute("SELECT status, count(*) FROM rows GROUP BY status ORDER BY status"))
 
-    def store(self, rows: Sequence[Row], results: Sequence[RowResult]) -> list[str]:
-        """Store the results of rows, all or none; rows that have one keep it.
+    def store(self, row: Row, result: RowResult) -> bool:
+        """Store the result of a row; one that has a result keeps it, and False is returned.
 
-        Returned: status of each row that was waiting. An `InputError` if the disk does not take them.
+        An `InputError` if the disk does not take it.
         """
         with self._transaction():
-            return [result.status for row, result in zip(rows, results, strict=True) if self._store(row, result)]
+            return self._store(row, result)
 
     def _store(self, row: Row, result: RowResult) -> bool:
         values = {**result.values, **{key: as_cell(value) for key, value in row.varied.items()}}

@@ -535,20 +535,20 @@ class RigidSide:
         at = self.wheel.at(front)
         return float(at.angle[at.x <= self.wheel_frame.translation[0]].max())
 
-    def edge_words(self, side: Side, touches: Touches) -> str:
-        """End of a running surface at which the first position touches, in words; empty if it touches inside."""
-        arc, x = touches.wheel_arc[0, 0], touches.x[0, 0]
-        ends = {
+    def _at_ends(self, touches: Touches) -> dict[str, Bools]:
+        """Whether the first touch is at each of the ends of the running surfaces, (n,), by their names."""
+        arc, x = touches.wheel_arc[:, 0], touches.x[:, 0]
+        return {
             "the lower end of the gauge face of the {} rail": x <= self.rail.joints[0],
             "the field-side end of the {} rail": x >= self.rail.joints[-1],
             "the back of the {} flange": arc < _EDGE_MM,
             "the rim of the {} wheel": arc > self.wheel.length - _EDGE_MM,
         }
-        return next((words.format(side) for words, is_touched in ends.items() if is_touched), "")
+
+    def edge_words(self, side: Side, touches: Touches) -> str:
+        """End of a running surface at which the first position touches, in words; empty if it touches inside."""
+        return next((words.format(side) for words, touched in self._at_ends(touches).items() if touched[0]), "")
 
     def at_edge(self, touches: Touches) -> Bools:
         """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""
-        arc, x = touches.wheel_arc[:, 0], touches.x[:, 0]
-        ends = self.rail.joints[[0, -1]]
-        on_wheel = (arc < _EDGE_MM) | (arc > self.wheel.length - _EDGE_MM)
-        return on_wheel | (x <= ends[0]) | (x >= ends[1])
+        return np.any(list(self._at_ends(touches).values()), axis=0)

@@ -196,13 +196,11 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
 def printed_parts(table: SummaryTable) -> list[SummaryTable]:
     """Return tables of the first and some of the other columns, as few as fit the width of a printed page."""
     label, *widths = _widths(table)
-    most = max((label + width for width in widths), default=0)
-    for number in range(1, len(widths) + 1):
+    most = max(PAGE_LETTERS, label + max(widths, default=0))
+    for number in range(1, len(widths) + 2):
         groups = np.array_split(np.arange(1, len(widths) + 1), number)
-        if max(label + sum(widths[column - 1] for column in group) for group in groups) <= max(PAGE_LETTERS, most):
+        if all(label + sum(widths[column - 1] for column in group) <= most for group in groups):
             break
-    else:
-        return [table]
     parts = [[tuple(line[at] for at in (0, *group)) for line in (table.header, *table.rows)] for group in groups]
     return [replace(table, header=header, rows=tuple(rows)) for header, *rows in parts]
 
