@@ -60,7 +60,7 @@ def compute(task: RowTask) -> Outcome:
 
 
 def _result(case: RunnableCase, first: Row | None) -> RowResult:
-    """Compute a case, on the bodies prepared for a row if there is one; their preparation does not count as its time."""
+    """Compute a case, on the bodies prepared for a row if there is one; the time of preparing them does not count."""
     start = None
     try:
         bodies = None if first is None else _prepared.get(first.identity, first.case.prepared)

@@ -339,10 +339,8 @@ def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
                         "correct it",
                     )
         for numbers in further:
-            # before anything is expanded; the length of a range beyond the machine's integers has no number
-            if (isinstance(numbers, range) and numbers.stop - numbers.start > MAX_MEMBERS * numbers.step) or (
-                len(members) + len(numbers) > MAX_MEMBERS
-            ):
+            # before a range is expanded; its length is a machine's integer, since its ends have 18 digits at most
+            if len(members) + len(numbers) > MAX_MEMBERS:
                 raise InputError(f"{block.place} of more than {MAX_MEMBERS} numbers", "a set of the mesh", "correct it")
             members += numbers
     return members

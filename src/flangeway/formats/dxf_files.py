@@ -12,7 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -117,8 +117,7 @@ class Drawing:
         """Raise `InputError` for an object that is not read and lies where something is drawn."""
         drawn = [np.array([p for s in chain for p in (s.start, s.end)]) for chain in self.loops + self.chains]
         for label, points in self.left_out:
-            low, high = points.min(axis=0), points.max(axis=0)
-            if any((low <= ends.max(axis=0)).all() and (high >= ends.min(axis=0)).all() for ends in drawn):
+            if _lies_in(points, [(ends.min(axis=0), ends.max(axis=0)) for ends in drawn]):
                 raise InputError(
                     f"{label}, which is not read and lies in the section",
                     _READ,
@@ -271,8 +270,7 @@ def _draw(item: _Object, drawing: Drawing) -> None:
         else:
             if kind == "ARC":
                 first, last = math.radians(dxf.start_angle), math.radians(dxf.end_angle)
-            corners = np.array(tuple(centre)) + dxf.radius * np.eye(3)[[2, 0, 1]] * [[0], [1], [1]]
-            points = entity.ocs().points_to_wcs(corners.tolist())
+            points = _radii(item, complex(centre.x, centre.y), dxf.radius, centre.z)
         turn = (last - first) % (2.0 * math.pi)
         whole = min(turn, 2.0 * math.pi - turn) <= JOINT_TOLERANCE
         pieces, closed = _ellipse(item, points, first, 2.0 * math.pi if whole else turn, drawing)
@@ -308,10 +306,14 @@ def _polyline(item: _Object, drawing: Drawing) -> tuple[list[DrawnSegment], bool
             pieces += _line(item, axes.points_to_wcs([(x, y, height), (end_x, end_y, height)]))
             continue
         centre = (start + end) / 2.0 + 1j * (end - start) * (1.0 - bulge * bulge) / (4.0 * bulge)
-        spots = [centre, start, centre + 1j * (start - centre)]
-        points = axes.points_to_wcs([(spot.real, spot.imag, height) for spot in spots])
-        pieces += _ellipse(item, points, 0.0, 4.0 * math.atan(bulge), drawing)[0]
+        pieces += _ellipse(item, _radii(item, centre, start - centre, height), 0.0, 4.0 * math.atan(bulge), drawing)[0]
     return pieces, closed
+
+
+def _radii(item: _Object, centre: complex, radius: complex, height: float) -> Any:
+    """Centre of a circle, and the ends of a radius and of the one a quarter of a turn ahead, (3, 3), from its plane."""
+    spots = (centre, centre + radius, centre + 1j * radius)
+    return item.entity.ocs().points_to_wcs([(spot.real, spot.imag, height) for spot in spots])
 
 
 def _sides(corners: Any, closed: bool) -> list[tuple[Any, Any]]:
@@ -412,20 +414,22 @@ def _refuse_hatched(hatched: Sequence[tuple[str, Floats]], drawn: Sequence[Outli
     for label, points in hatched:
         shape = Polygon(points)
         middle, size = (shape.centroid.x, shape.centroid.y), math.sqrt(shape.area)
-        for outline in drawn:
-            if abs(outline.area - shape.area) <= SAME_HATCH * shape.area and (
-                math.dist(outline.centroid, middle) <= SAME_HATCH * size
-            ):
-                break
-        else:
-            boxes = [outline.bounds() for outline in drawn]
-            low, high = points.min(axis=0), points.max(axis=0)
-            if any((low <= box[1]).all() and (high >= box[0]).all() for box in boxes):
-                raise InputError(
-                    f"{label} with an outline about {point_text(middle)} that is not drawn",
-                    "hatches whose outlines are drawn",
-                    "draw the outline, or leave the layer of the hatch out",
-                )
+        is_drawn = any(
+            abs(outline.area - shape.area) <= SAME_HATCH * shape.area
+            and math.dist(outline.centroid, middle) <= SAME_HATCH * size
+            for outline in drawn
+        )
+        if not is_drawn and _lies_in(points, [outline.bounds() for outline in drawn]):
+            raise InputError(
+                f"{label} with an outline about {point_text(middle)} that is not drawn",
+                "hatches whose outlines are drawn",
+                "draw the outline, or leave the layer of the hatch out",
+            )
+
+
+def _lies_in(points: Floats, boxes: Sequence[Any]) -> bool:
+    """Whether the box about points (n, 2) meets one of some boxes, pairs of the lowest and the highest coordinates."""
+    return any((points.min(axis=0) <= high).all() and (points.max(axis=0) >= low).all() for low, high in boxes)
 
 
 # --- Lines and arcs joined at their ends.
@@ -472,7 +476,4 @@ def joined_chains(chains: Sequence[list[DrawnSegment]], *, closed: bool = True) 
 
 def _exact_joints(loop: list[DrawnSegment]) -> list[DrawnSegment]:
     """Move every start onto the end before it, within the tolerance of joining."""
-    return [
-        DrawnSegment(before.end, s.end, s.centre, s.counter_clockwise, s.name)
-        for before, s in itertools.pairwise([loop[-1], *loop])
-    ]
+    return [replace(segment, start=before.end) for before, segment in itertools.pairwise([loop[-1], *loop])]

@@ -114,6 +114,10 @@ def _read_meshio(file: Path, size: int) -> DrawnMesh:
         if count is not None:  # the library would wait for so many lines
             raise InputError(f"{file} with a count of {short(count[0].decode())}", f"{size} bytes or less", "repair it")
     printed_text = io.StringIO()
+
+    def printed() -> str:
+        return " ".join(printed_text.getvalue().split())
+
     try:
         # meshio prints faults on the console and ends the program on some
         with (
@@ -124,20 +128,19 @@ def _read_meshio(file: Path, size: int) -> DrawnMesh:
         ):
             read = meshio.read(file, file_format=kind)
     except (Exception, SystemExit) as reason:  # of any kind in a broken file
-        printed = " ".join(printed_text.getvalue().split()) or f"{type(reason).__name__}: {reason}"
         missing = reason.name if isinstance(reason, ModuleNotFoundError) else None
         raise InputError(
-            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {printed}",
+            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: "
+            f"{printed() or f'{type(reason).__name__}: {reason}'}",
             "a whole file of this format",
             f"install {missing}, or export another format" if missing else "export it again",
         ) from reason
-    printed = " ".join(printed_text.getvalue().split())
-    if "cannot handle" in printed:
-        raise InputError(f"{file}: {printed}", "triangles, quadrilaterals and polygons", "export these only")
+    if "cannot handle" in printed():
+        raise InputError(f"{file}: {printed()}", "triangles, quadrilaterals and polygons", "export these only")
     groups = [(name, np.ravel(value)) for name, value in read.field_data.items()]  # number and dimension of each
     names = {(int(group[1]), int(group[0])): name for name, group in groups if len(group) == 2}
     names = _physical_names(file) if kind == "gmsh" else names
-    return _drawn(read, names, (f"Said when reading: {printed}",) if printed else ())
+    return _drawn(read, names, (f"Said when reading: {printed()}",) if printed() else ())
 
 
 def _physical_names(file: Path) -> dict[tuple[int, int], str]:
@@ -149,7 +152,7 @@ def _physical_names(file: Path) -> dict[tuple[int, int], str]:
 
 def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...]) -> DrawnMesh:
     cells: list[Ints] = []
-    middles: list[Ints] = []
+    middles: list[Ints] = [np.zeros(0, dtype=np.int64)]
     sides: list[Ints] = [np.zeros((0, 3), dtype=np.int64)]
     cell_sets: defaultdict[str, list[Ints]] = defaultdict(list)
     edge_sets: defaultdict[str, list[Ints]] = defaultdict(list)
@@ -196,7 +199,7 @@ def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...
         {name: np.concatenate(parts) for name, parts in edge_sets.items()},
         point_sets,
         notices,
-        np.concatenate(middles) if middles else np.zeros(0, dtype=np.int64),
+        np.concatenate(middles),
         np.concatenate(sides),
     )
 

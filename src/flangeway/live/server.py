@@ -113,7 +113,8 @@ class _Guard:
             await send(message)
 
         headers = Headers(scope=scope)
-        foreign = headers.get("origin", f"http://{headers.get('host')}") != f"http://{headers.get('host')}"
+        address = f"http://{headers.get('host')}"
+        foreign = headers.get("origin", address) != address
         answer = PlainTextResponse("The request comes from another page.", 403) if foreign else self._app
         await answer(scope, receive, sent)
 
