@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_point, cross_product, extent, norms, turned_right
+from flangeway.geometry.arrays import IntArray, as_point, circle_centres, cross_product, extent, norms
 from flangeway.geometry.segments import Arc
 from flangeway.mesh.connectivity import (
     EdgeCurves,
@@ -140,23 +140,17 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
 
 
 def with_arcs(mesh: PolyMesh, pairs: Indices, middles: Floats) -> PolyMesh:
-    """Put edges on arcs through their ends (m, 2), -1 where one is left out, and middles (m, 2), unless straight.
-
-    The circle through the origin, b, and a point m has its centre at ``(|m|^2 b' - |b|^2 m') / (2 m x b)`` with the
-    prime for a quarter of a turn to the right.
-    """
+    """Put edges on arcs through their ends (m, 2), -1 where one is left out, and middles (m, 2), unless straight."""
     rows = np.flatnonzero((pairs >= 0).all(axis=1))
     number, known = edge_places(pairs[rows], mesh.edges, mesh.n_points)
     rows = rows[known][np.unique(number[known], return_index=True)[1]]
     start = mesh.points[pairs[rows, 0]]
     across, chord = middles[rows] - start, mesh.points[pairs[rows, 1]] - start
-    cross, square = cross_product(across, chord), (chord**2).sum(axis=1)
-    bent = np.abs(cross) > MIN_SAGITTA * square
+    cross = cross_product(across, chord)
+    bent = np.abs(cross) > MIN_SAGITTA * (chord**2).sum(axis=1)
     if not bent.any():
         return mesh
-    rows, start, across, chord = rows[bent], start[bent], across[bent], chord[bent]
-    offsets = (across**2).sum(axis=1)[:, None] * turned_right(chord) - square[bent, None] * turned_right(across)
-    centres = start + offsets / (2.0 * cross[bent, None])
+    rows, centres = rows[bent], start[bent] + circle_centres(across[bent], chord[bent])
     ends = mesh.points[pairs[rows]]
     arcs = tuple(
         Arc(as_point(a), as_point(b), as_point(c), bool(left))

@@ -20,7 +20,7 @@ from flangeway.formats.drawn_section import (
     repaired_outline,
 )
 from flangeway.formats.dxf_files import dxf_section
-from flangeway.geometry.arrays import Point, cross_product, norms, point_text
+from flangeway.geometry.arrays import Point, circle_centres, cross_product, norms, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.shapes import rounded_sides
@@ -231,9 +231,8 @@ def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -
             "a point that is off the line from start to end",
             "use line_to, or move the point",
         )
-    rays = np.array([[b[1], -a[1]], [-b[0], a[0]]]) @ np.array([a @ a, b @ b]) / (2.0 * cross)
-    centre = (start[0] + float(rays[0]), start[1] + float(rays[1]))
-    return DrawnSegment(start, end, centre, cross > 0.0, name)
+    x, y = (start + circle_centres(a, b)).tolist()
+    return DrawnSegment(start, end, (x, y), cross > 0.0, name)
 
 
 # --- Sections from files: TOML, CSV of lines and arcs, DXF.

@@ -111,6 +111,16 @@ def turned_right(vectors: Floats) -> Floats:
     return np.stack((vectors[..., 1], -vectors[..., 0]), axis=-1)
 
 
+def circle_centres(middles: Floats, ends: Floats) -> Floats:
+    """Centres (..., 2) of circles through the origin and two further points (..., 2) that are on no line with it.
+
+    Of a and b the centre is ``(|a|^2 b' - |b|^2 a') / (2 a x b)``, the prime for a quarter of a turn to the right.
+    """
+    squares = [(points**2).sum(axis=-1, keepdims=True) for points in (middles, ends)]
+    rays = squares[0] * turned_right(ends) - squares[1] * turned_right(middles)
+    return rays / (2.0 * cross_product(middles, ends)[..., None])
+
+
 def chain_lengths(points: Floats) -> Floats:
     """Lengths along a chain of points (n, 2) at each of them, from 0, shape (n,)."""
     return np.append(0.0, np.cumsum(step_lengths(points)))

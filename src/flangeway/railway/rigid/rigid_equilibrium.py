@@ -355,11 +355,10 @@ def _beyond_reach(geometry: RigidGeometry, path: TouchingPositions, load_ratio: 
     """Why no position holds a load: the flange climbs, or the positions end before it does."""
     side: Side = "right" if load_ratio >= 0.0 else "left"
     held = float(np.nanmax(SIDE_SIGN[side] * held_ratios(geometry, path)))
-    angles = float(np.nanmax(path.side(side).angle[:, 0])), geometry.side(side).flange_angle_rad()
-    texts = (f"{math.degrees(angle):.1f} deg" for angle in angles)
+    contact, flange = np.degrees([np.nanmax(path.side(side).angle[:, 0]), geometry.side(side).flange_angle_rad()])
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which no position holds: {geometry.path_end(side)}",
-        f"L/V up to {held:.3f} without friction (contact angle up to {next(texts)}, flange angle {next(texts)})",
+        f"L/V up to {held:.3f} without friction (contact angle up to {contact:.1f} deg, flange angle {flange:.1f} deg)",
         "lower the lateral force or the speed, raise the superelevation, or check profiles, gauge and back-to-back",
     )
 

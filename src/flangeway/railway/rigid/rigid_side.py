@@ -107,14 +107,16 @@ class RigidCurve:
         curve = cls(table[:, :2] + placement.translation, table[:, 2], table[:, 3], table[:, 4])
         if not faces:
             return curve
-        last = np.array([curve.at(curve.length)[:2]])
-        ends = np.vstack((curve.starts[:1], last))
-        cut = np.array([norms(placement.points(contour.ends) - end).min() > _APART_MM for end in ends])
+        rows = [*np.column_stack((curve.starts, table[:, 2:]))]
         down = FACE_MM * np.array([math.cos(steepest_rad), math.sin(steepest_rad)])
-        faces_at = np.column_stack((ends - [down, [0.0, 0.0]], [steepest_rad, -steepest_rad], [0.0] * 2, [FACE_MM] * 2))
-        below, above = faces_at[:1][cut[:1]], faces_at[1:][cut[1:]]
-        rows = np.vstack((below, np.column_stack((curve.starts, table[:, 2:])), above))
-        return cls(rows[:, :2], *rows[:, 2:].T)
+        first, last = curve.starts[0], np.array(curve.at(curve.length)[:2])
+        for number, end, start, angle in (
+            (0, first, first - down, steepest_rad),
+            (len(rows) + 1, last, last, -steepest_rad),
+        ):
+            if norms(placement.points(contour.ends) - end).min() > _APART_MM:
+                rows.insert(number, np.array([*start, angle, 0.0, FACE_MM]))
+        return cls(np.array(rows)[:, :2], *np.array(rows)[:, 2:].T)
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
