@@ -98,3 +98,32 @@ def test_a_contact_across_the_seam_is_one_region(pairing: str) -> None:
         assert patch.centre[0] == pytest.approx(0.0, abs=0.02)
     assert numbers[0] == pytest.approx(numbers[1], rel=0.12)
     assert numbers[0][0] == pytest.approx(numbers[1][0], rel=0.02)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_pile_of_discs_has_the_forces_of_statics(order: int) -> None:
+    """Two whole discs carry a third one: its weight W presses each with W / (2 cos 30), on a floor and on a wall."""
+    walls = [[10.0, 20.0], [10.0, 0.0], [-10.0, 0.0], [-10.0, 20.0]]
+    path: list[dict[str, Any]] = [{"from": [-10.0, 20.0]}, {"line_to": [-15.0, 20.0]}, {"line_to": [-15.0, -5.0]}]
+    path += [{"line_to": [15.0, -5.0], "name": "bottom"}, {"line_to": [15.0, 20.0]}]
+    path += [{"line_to": point, "name": "in"} for point in walls]
+    centres = [(-5.0, 5.0), (5.0, 5.0), (0.0, 5.0 + 5.0 * np.sqrt(3.0))]
+    discs = [
+        {"name": f"{i}", "disc": {"radius_mm": 5.0, "centre_mm": at}, "size_mm": 1.0} for i, at in enumerate(centres)
+    ]
+    bodies = [*discs, {"name": "box", "outline": {"path": path}, "size_mm": 2.0}]
+    on_box = [{"secondary": f"{i}", "primary": "box", "primary_edges": "in"} for i in (0, 1)]
+    run = TwoBodiesCase.from_values(
+        {
+            "bodies": [body | {"order": order} for body in bodies],
+            "supports": [{"body": "box", "edges": "bottom"}],
+            "loads": [{"body": "2", "body_force_N_mm3": [0.0, -1.0]}],
+            "contacts": [*on_box, *({"secondary": f"{i}", "primary": "2"} for i in (0, 1))],
+        }
+    ).run()
+    assert run.status.converged, run.status.message
+    half = np.pi * 5.0**2 / 2.0
+    for patch in run.patches:
+        assert patch.half_width > 0.0
+    on_lower = np.abs([patch.force for patch in run.patches if patch.contact > 1])
+    assert on_lower == pytest.approx(np.array([[np.tan(np.pi / 6.0), 1.0]] * 2) * half, rel=0.03)

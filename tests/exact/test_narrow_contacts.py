@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from benchmarks.narrow_contacts import NarrowContact
 from flangeway.cases.bodies.bodies_run import BodiesRun, TwoBodiesCase
 from flangeway.cases.bodies.presets import HertzCase
 
@@ -30,10 +31,12 @@ def line_force(approach: float) -> float:
     return brentq(lambda force: line_approach(force) - approach, 1e-9, 1e6)
 
 
-def roller(motion: dict[str, Any], x: float = 0.0, size: float = 5.0, order: int = 1, **contact: Any) -> BodiesRun:
-    """A half disc on a block, meshed with one size."""
+def roller(
+    motion: dict[str, Any], x: float = 0.0, size: float = 5.0, order: int = 1, height: float = 0.0, **contact: Any
+) -> BodiesRun:
+    """A half disc at a height above a block, meshed with one size."""
     elements = {"young_MPa": YOUNG, "poisson": POISSON, "size_mm": size, "order": order}
-    disc = {"radius_mm": RADIUS, "centre_mm": [x, RADIUS], "half": "lower"}
+    disc = {"radius_mm": RADIUS, "centre_mm": [x, RADIUS + height], "half": "lower"}
     rectangle = {"width_mm": 200.0, "height_mm": HEIGHT, "centre_mm": [0.0, -HEIGHT / 2.0]}
     sides = {"secondary": "roller", "secondary_edges": "rim", "primary": "block", "primary_edges": "top"}
     return TwoBodiesCase.from_values(
@@ -72,6 +75,28 @@ def test_chords_are_refused_or_right_within_their_error(depth: float) -> None:
         if run.status.converged:
             error = run.contact.status.checks.force_error + 0.05
             assert abs(line_force(depth) / run.contact.forces[0, 1] - 1.0) < error
+
+
+def test_chords_of_a_sphere_are_refused_or_right_within_their_error() -> None:
+    """The first edge at an axis has no edge before it: Hertz's 4/3 E* sqrt(R) d^1.5 within the stated error."""
+    case = NarrowContact.random(1029)
+    sphere, block = case.values["bodies"]
+    softness = (1.0 - POISSON**2) * (1.0 / sphere["young_MPa"] + 1.0 / block["young_MPa"])
+    radius = block["rectangle"]["height_mm"] / 2.0
+    depth = -case.values["motions"][0]["shift_mm"][1]
+    assert case.values["contacts"][0]["curved"] is False
+    pressed = case.solve()
+    right = 4.0 / 3.0 / softness * np.sqrt(radius) * depth**1.5
+    assert abs(right / pressed.force - 1.0) < pressed.error
+
+
+@pytest.mark.parametrize("gap", [0.1, 0.0])
+def test_a_roller_that_does_not_reach_the_block_has_no_force(gap: float) -> None:
+    """Chords that follow their circle, in the drawing and after the motion: nothing touches, and nothing passed."""
+    run = roller({"shift_mm": [0.0, -1e-9]}, height=gap)
+    assert run.status.converged, run.status.message
+    assert run.contact is not None
+    assert not run.contact.forces.any()
 
 
 @pytest.mark.parametrize("force", [20.0, 2000.0])

@@ -256,5 +256,6 @@ def _curvatures(surface: Surface) -> Floats:
     heights = heights_of(edges)
     curved = heights[np.arange(len(edges)), np.abs(heights).argmax(axis=1)] if heights.size else np.zeros(len(edges))
     turns = turns_of(edges[:, [0, -1]], np.roll(np.arange(len(edges)), -1))
+    turns[-1] *= surface.is_closed  # an open surface ends there
     chorded = np.sign(turns + np.roll(turns, 1)) * surface.facet_depths(CORNER_ANGLE)
     return 8.0 * (curved + chorded) / surface.edge_lengths**2

@@ -237,11 +237,16 @@ def deformed_boundaries(
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        sides = [(contact, side) for contact in system.contacts for side in contact.sides if side.part is part]
-        # with friction nodes alone are guarded, see `penetrating`
-        followed = [side for contact, side in sides if contact.friction_coefficient == 0.0]
-        boundaries.append(Boundary.of_part(part, at, followed, max(side.chord_turn for _, side in sides)))
+        boundaries.append(_boundary(system, part, at))
     return boundaries
+
+
+def _boundary(system: ContactSystem, part: Part, positions: Floats) -> Boundary:
+    """Boundary of a part whose nodes are at positions in space, which follows its curves as its contacts do."""
+    sides = [(contact, side) for contact in system.contacts for side in contact.sides if side.part is part]
+    # with friction nodes alone are guarded, see `penetrating`
+    followed = [side for contact, side in sides if contact.friction_coefficient == 0.0]
+    return Boundary.of_part(part, positions, followed, max(side.chord_turn for _, side in sides))
 
 
 def body_overlaps(
@@ -315,7 +320,7 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
     """
     errors = []
     undeformed = [
-        (part.placement, Boundary.of_part(part, part.placement.points(part.body.nodes))) for part in system.parts
+        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes))) for part in system.parts
     ]
     at = cache(lambda step: undeformed if step == 0 else _placed_boundaries(system, states[step - 1]))
     for one, other in dict.fromkeys(contact.parts for contact in system.contacts):

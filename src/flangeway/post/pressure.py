@@ -270,7 +270,8 @@ def _patch(
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    faced = np.arange(numbers.min(), min(numbers.max() + 1, numbers.min() + n)) % n
+    reached = np.append(numbers, _unwrapped(key_nodes, key_nodes, n))
+    faced = np.arange(reached.min(), min(reached.max() + 1, reached.min() + n)) % n
     first, total = group[starts], np.add.reduceat(force, starts)
     return PressurePatch(
         number,
