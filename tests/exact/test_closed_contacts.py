@@ -53,6 +53,90 @@ def test_a_fit_in_a_held_hub_has_the_pressure_of_lame(primary: str) -> None:
     assert not patch.at_edge
 
 
+@pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_a_heated_shaft_that_nothing_else_holds_has_the_pressure_of_lame(method: str, pairing: str) -> None:
+    """Its free expansion (1 + nu) alpha T r is the interference; its forces turn with it, and hold no rotation."""
+    elements = {"size_mm": 2.5, "method": method}
+    rim = circle(OUTER, "rim") | {"holes": [circle(INNER, "bore", 0.7)]}
+    run = TwoBodiesCase.from_values(
+        {
+            "bodies": [
+                {"name": "shaft", "outline": circle(INNER), "expansion_per_K": 12e-6} | elements,
+                {"name": "hub", "outline": rim} | elements,
+            ],
+            "loads": [{"body": "shaft", "temperature_K": 50.0}],
+            "supports": [{"body": "hub", "edges": "rim"}],
+            "contacts": [{"secondary": "hub", "secondary_edges": "bore", "primary": "shaft", "pairing": pairing}],
+        }
+    ).run()
+    assert run.status.converged, run.status.message
+    shear, ratio = YOUNG / (1.0 + POISSON), (OUTER / INNER) ** 2
+    of_hub = (ratio - 1.0) / (shear * (1.0 / (1.0 - 2.0 * POISSON) + ratio))
+    pressure = (1.0 + POISSON) * 12e-6 * 50.0 / (of_hub + (1.0 - 2.0 * POISSON) / shear)
+    (patch,) = run.patches
+    assert patch.normal_forces.sum() == pytest.approx(2.0 * np.pi * INNER * pressure, rel=5e-3)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_ring_between_a_shaft_and_a_hub_has_two_pressures_of_lame(order: int) -> None:
+    """Interferences of 0.01 mm at radii 10 and 15 mm in a hub held at 25 mm: two closed contacts of one body."""
+    radii, shear, strain = (10.0, 15.0, 25.0), YOUNG / (1.0 + POISSON), 1.0 - 2.0 * POISSON
+    bodies = [
+        {"name": "shaft", "outline": circle(10.0 + GAP)},
+        {"name": "ring", "outline": circle(15.0, "out", 0.4) | {"holes": [circle(10.0, "in", 1.3)]}},
+        {"name": "hub", "outline": circle(25.0, "rim") | {"holes": [circle(15.0 - GAP, "bore", 2.0)]}},
+    ]
+    sides = [{"secondary_edges": "in", "primary": "shaft"}, {"secondary_edges": "out", "primary": "hub"}]
+    sides[1]["primary_edges"] = "bore"
+    run = TwoBodiesCase.from_values(
+        {
+            "bodies": [body | {"size_mm": 2.0, "order": order} for body in bodies],
+            "supports": [{"body": "hub", "edges": "rim"}],
+            "contacts": [{"secondary": "ring", "interference": True} | side for side in sides],
+        }
+    ).run()
+    assert run.status.converged, run.status.message
+    a, b, c = np.square(radii)
+    pressures = np.eye(2)  # inside and outside of the ring
+    # u = ((1 - 2 nu) A r + B / r) / 2 G of a ring, with A = (p a - q b) / (b - a), B = (p - q) a b / (b - a)
+    first, second = (pressures @ (a, -b)) / (b - a), (pressures @ (1.0, -1.0)) * a * b / (b - a)
+    inner, outer = ((strain * first * r + second / r) / shear for r in radii[:2])
+    hub = radii[1] * (c / b - 1.0) / (shear * (1.0 / strain + c / b))
+    equations = np.stack((np.add(inner, (strain / shear * radii[0], 0.0)), np.subtract((0.0, hub), outer)))
+    for patch, pressure, radius in zip(run.patches, np.linalg.solve(equations, [GAP, GAP]), radii, strict=False):
+        assert patch.normal_forces.sum() == pytest.approx(2.0 * np.pi * radius * pressure, rel=5e-3)
+        assert patch.half_width == pytest.approx(np.pi * radius, rel=5e-3)
+
+
+@pytest.mark.parametrize("primary", ["shaft", "hub"])
+def test_a_square_peg_in_a_square_hole_marks_its_corners(primary: str) -> None:
+    """One region all round, and in equilibrium; its maximum is at a sharp corner, whichever side is the secondary."""
+    corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+    hole = {"points": [[INNER * x, INNER * y] for x, y in corners]}
+    sides = [{"line_to": [INNER * x / 2.0, INNER * y / 2.0], "name": "bore"} for x, y in corners]
+    hub = hole | {"holes": [{"path": [{"from": sides[-1]["line_to"]}, *sides]}]}
+    peg = {"points": [[(INNER / 2.0 + GAP) * x, (INNER / 2.0 + GAP) * y] for x, y in corners]}
+    edges = {"secondary_edges": "bore"} if primary == "shaft" else {"primary_edges": "bore"}
+    secondary = "hub" if primary == "shaft" else "shaft"
+    run = TwoBodiesCase.from_values(
+        {
+            "bodies": [
+                {"name": "shaft", "outline": peg, "size_mm": 2.0},
+                {"name": "hub", "outline": hub, "size_mm": 2.0},
+            ],
+            "supports": [{"body": "hub", "edges": "side_1"}],
+            "contacts": [{"secondary": secondary, "primary": primary, "interference": True} | edges],
+        }
+    ).run()
+    assert run.status.converged, run.status.message
+    (patch,) = run.patches
+    assert patch.half_width == pytest.approx(2.0 * INNER, rel=2e-3)
+    assert np.abs(patch.force).max() < 1e-6 * patch.normal_forces.sum()
+    assert patch.corner is not None
+    assert np.abs(patch.corner) == pytest.approx(INNER / 2.0, abs=0.1)
+
+
 def test_a_fit_in_a_square_hub_carries_a_pressure_all_round() -> None:
     """A square outside of the ring of Lamé with a free rim, 43.27 MPa: a little stiffer, in one region."""
     points = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]

@@ -158,11 +158,14 @@ def loads_on(body: LinearBody, items: Sequence[BodyLoad]) -> BodyLoads:
     kinds, axes, values = zip(*terms, strict=True) if terms else ((), (), ())
     forces = np.array(values).reshape(-1, n, 2)
     fields, sums = _solved(body, forces, [held if kind == "turning" else None for kind in kinds])
-    # arms u_j times forces f_i: those of changes of temperature are no loads that turn the body
-    acting = np.array([kind != "turning" for kind in kinds])[:, None, None] * forces
-    moments = np.einsum("jn,in->ij", fields[..., 0], acting[..., 1]) - np.einsum(
-        "jn,in->ij", fields[..., 1], acting[..., 0]
+    # changes of temperature are no loads that turn the body, nor do their forces keep their direction
+    turning = [kind == "turning" for kind in kinds]
+    sums[turning] = 0.0
+    # arms u_j times forces f_i
+    moments = np.einsum("jn,in->ij", fields[..., 0], forces[..., 1]) - np.einsum(
+        "jn,in->ij", fields[..., 1], forces[..., 0]
     )
+    moments[turning] = 0.0
     return BodyLoads(body, warm, kinds, axes, forces, fields, sums, moments)
 
 
