@@ -105,8 +105,22 @@ def test_a_roller_under_a_small_load_does_not_sink(force: float) -> None:
     for x in (0.0, 2.6):
         run = roller({"push_N": [0.0, -force]}, x)
         assert run.status.converged, run.status.message
-        error = run.contact.status.checks.force_error + 0.05
-        assert abs(run.pushed_mm / line_approach(force) - 1.0) < error
+        exact = line_approach(force)
+        assert abs(run.pushed_mm - exact) < run.contact.status.checks.approach_error + 0.05 * exact
+
+
+def test_chords_under_a_prescribed_force_state_the_error_of_the_approach() -> None:
+    """However small the force is, it is exact on chords, and the approach is right within the stated length."""
+    for force, x in itertools.product((1e-6, 20.0), (0.0, 2.6)):
+        run = roller({"push_N": [0.0, -force]}, x, curved=False)
+        assert run.status.converged, run.status.message
+        assert run.contact.forces[0, 1] == pytest.approx(force, rel=1e-6)
+        checks = run.contact.status.checks
+        exact = line_approach(force)
+        assert 1e-3 < checks.approach_error < 0.1 * 5.0
+        assert abs(run.pushed_mm - exact) < checks.approach_error + 0.05 * exact
+        assert checks.force_error == 0.0
+        assert any("approach" in warning for warning in checks.warnings)
 
 
 @pytest.mark.parametrize("indentation", [1e-6, 1e-5, 1e-3])

@@ -19,13 +19,14 @@ CONSTRAINTS_APART = 3
 """Number of open constraints between two regions of contact; fewer are a gap in one region."""
 
 SMALL_FORCE_ERROR = 0.05
-"""Error of a force from which a warning names it."""
+"""Error of a force from which a warning names it; of an approach relative to the elastic closure."""
 
 MAX_FORCE_ERROR = 0.5
 """Error of a force above which it is wrong: half of it is penetration or gap of the law, or unknown by the mesh."""
 
-MAX_APPROACH_ERROR = 1.0
-"""The same of the approach under a prescribed force, relative to the elastic closure."""
+MAX_APPROACH_ERROR = 0.1
+"""Error of the approach under a prescribed force, relative to the edges in contact, above which it is wrong: chords of
+15 degrees on both sides leave 0.07. The elastic closure is no measure of it: that of a small force is tiny."""
 
 SPREAD = 1.2
 """Half width over which an element spreads the pressure of a contact that is narrower than it, in its lengths: the
@@ -82,6 +83,8 @@ class ForceError:
         Power of the approach with which the force grows: 1 in lines, 3/2 at points of bodies of revolution.
     size
         Size of elements with which the mesh's error is small.
+    edge
+        Length of the shortest edge in contact.
 
     """
 
@@ -95,20 +98,28 @@ class ForceError:
     spread: float
     exponent: float
     size: float
+    edge: float
 
     def by_law(self, *, prescribed: bool) -> float:
         """Error of the force by the law of contact, relative to that of surfaces that touch without penetration.
 
-        With a ``prescribed`` force that of the approach, relative to the elastic one.
+        With a ``prescribed`` force that of the approach, a length.
         """
-        motion = self.closure if prescribed else self.closure + self.penetration - self.gap
+        motion = 1.0 if prescribed else self.closure + self.penetration - self.gap
         return (self.penetration + self.gap) / motion if motion > 0.0 else np.inf
 
-    @property
-    def by_mesh(self) -> float:
-        """Estimated error of the force by the mesh, or of the approach under a prescribed force, relative to it."""
-        missing = self.exponent * (self.between_nodes + self.chords) / self.closure
-        return missing + self.exponent * self.spread / (self.closure + self.spread)
+    def by_mesh(self, *, prescribed: bool) -> float:
+        """Estimated error of the force by the mesh, relative to it, or of the approach, a length, as in `by_law`."""
+        missing = self.between_nodes + self.chords
+        if prescribed:
+            return missing + self.spread
+        return self.exponent * (missing / self.closure + self.spread / (self.closure + self.spread))
+
+    def limits(self, *, prescribed: bool) -> tuple[float, float]:
+        """Errors from which a warning names them, and above which they are wrong."""
+        if prescribed:
+            return SMALL_FORCE_ERROR * self.closure, MAX_APPROACH_ERROR * self.edge
+        return SMALL_FORCE_ERROR, MAX_FORCE_ERROR
 
 
 def force_errors(system: ContactSystem, response: BodyResponse, state: ContactState) -> list[ForceError]:
@@ -160,11 +171,8 @@ class _Region:
 
     def error(self) -> ForceError:
         """Errors of the region."""
-        gaps = self.pairs.gaps[self.group]
-        depths = [
-            surface.facet_depths(CORNER_ANGLE)[edges].max(initial=0.0)
-            for surface, edges in zip(self.contact.sides, self.edges, strict=True)
-        ]
+        gaps, sides = self.pairs.gaps[self.group], list(zip(self.contact.sides, self.edges, strict=True))
+        depths = [surface.facet_depths(CORNER_ANGLE)[edges].max(initial=0.0) for surface, edges in sides]
         spread, exponent, size = self._spread()
         return ForceError(
             self.number,
@@ -177,6 +185,7 @@ class _Region:
             spread,
             exponent,
             size,
+            min(float(surface.edge_lengths[edges].min()) for surface, edges in sides),
         )
 
     @cached_property

@@ -226,10 +226,12 @@ def _deepest(edges: Floats, other: Floats) -> Floats:
         return np.asarray((normals * as_vectors(horner(derivative(series), xi))).sum(axis=1))
 
     for _ in range(MAX_STEPS):
-        rate = rates(xi)
+        rate, start = rates(xi), xi
         bend = (rates(xi + PARAMETER_STEP) - rate) / PARAMETER_STEP
         step = np.where(bend > 0.0, -rate / np.where(bend > 0.0, bend, 1.0), 0.0)
         xi = np.clip(xi + np.clip(step, -0.25, 0.25), 0.0, 1.0)
+        if np.abs(xi - start).max(initial=0.0) <= END_DISTANCE:
+            break
     return xi
 
 

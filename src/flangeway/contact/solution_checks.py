@@ -9,9 +9,6 @@ import numpy as np
 import shapely
 
 from flangeway.contact.force_errors import (
-    MAX_APPROACH_ERROR,
-    MAX_FORCE_ERROR,
-    SMALL_FORCE_ERROR,
     ForceError,
     force_errors,
     hidden_overlap,
@@ -467,10 +464,10 @@ def check_solution(
             f"{100.0 * overlap / moved:.2g} % of the maximum displacement, between nodes: take a finer mesh there"
         )
     moving = [part for part, (_, handle) in zip(system.parts, given, strict=True) if handle is not None]
-    force_error = _force_errors(
+    of_force, of_approach = _force_errors(
         force_errors(system, response, state), system, state, overlaps, moving, errors, warnings
     )
-    measured = force, moment, gap, slide, overlap, inverted, strain, turn, force_error
+    measured = force, moment, gap, slide, overlap, inverted, strain, turn, of_force, of_approach
     return Checks(*measured, tuple(errors), tuple(warnings))
 
 
@@ -482,12 +479,12 @@ def _force_errors(
     moving: Sequence[Part],
     errors: list[str],
     warnings: list[str],
-) -> float:
-    """Maximum error of a region's force by the law of contact and by the mesh, see `ForceError`.
+) -> tuple[float, float]:
+    """Maximum errors of a region's force, and of its approach, by the law of contact and by the mesh, see `ForceError`.
 
-    Between parts that move freely, ``moving``, it is one of the approach, which may be as large as the elastic one.
+    The force of parts that move freely, ``moving``, is prescribed, and only their approach has an error.
     """
-    worst_of_all = 0.0
+    worst = [0.0, 0.0]
     for number, contact in enumerate(system.contacts):
         name = f"the contact of {contact.secondary.part.name} on {contact.primary.part.name}"
         names = {part.name for part in contact.parts}
@@ -511,29 +508,31 @@ def _force_errors(
                 )
             continue
         prescribed = bool(set(contact.parts).intersection(moving))
-        limit, what = (MAX_APPROACH_ERROR, "approach") if prescribed else (MAX_FORCE_ERROR, "force")
-        region = max(of_contact, key=lambda region: region.by_law(prescribed=prescribed))
-        by_law = region.by_law(prescribed=prescribed) if contact.enforcement.approximates else 0.0
-        too_small = (region.penetration < region.gap) == prescribed
-        if by_law > SMALL_FORCE_ERROR:
-            size = "small" if too_small else "large"
-            (errors if by_law > limit else warnings).append(
-                f"the penetration of {name}, {region.penetration:.2g}, makes its {what} {100.0 * by_law:.2g} % too "
-                f"{size}: raise the penalty"
-                if region.penetration > region.gap
-                else f"surfaces of {name} are {region.gap:.2g} apart under pressure, which makes its {what} "
-                f"{100.0 * by_law:.2g} % too {size}: take a smaller barrier"
-            )
-        region = max(of_contact, key=lambda region: region.by_mesh)
-        if region.by_mesh > SMALL_FORCE_ERROR:
+        what, unit, factor = ("approach", "", 1.0) if prescribed else ("force", " %", 100.0)
+        if contact.enforcement.approximates:
+            region = max(of_contact, key=lambda region: region.by_law(prescribed=prescribed))
+            error, (small, most) = region.by_law(prescribed=prescribed), region.limits(prescribed=prescribed)
+            worst[prescribed] = max(worst[prescribed], error)
+            size = "small" if (region.penetration < region.gap) == prescribed else "large"
+            makes = f"makes its {what} {factor * error:.2g}{unit} too {size}"
+            if error > small:
+                (errors if error > most else warnings).append(
+                    f"the penetration of {name}, {region.penetration:.2g}, {makes}: raise the penalty"
+                    if region.penetration > region.gap
+                    else f"surfaces of {name} are {region.gap:.2g} apart under pressure, which {makes}: take a "
+                    "smaller barrier"
+                )
+        region = max(of_contact, key=lambda region: region.by_mesh(prescribed=prescribed))
+        error, (small, most) = region.by_mesh(prescribed=prescribed), region.limits(prescribed=prescribed)
+        worst[prescribed] = max(worst[prescribed], error)
+        if error > small:
             advice = f"take elements of at most {region.size:.2g} there"
             if region.chords > region.between_nodes + region.spread:
                 advice = f"its surfaces are chords of curves: give them their drawn curves (curved), or {advice}"
-            (errors if region.by_mesh > limit else warnings).append(
-                f"the {what} of {name} may be off by {100.0 * region.by_mesh:.2g} %: its mesh is too coarse; {advice}"
+            (errors if error > most else warnings).append(
+                f"the {what} of {name} may be off by {factor * error:.2g}{unit}: its mesh is too coarse; {advice}"
             )
-        worst_of_all = max(worst_of_all, by_law, region.by_mesh)
-    return worst_of_all
+    return worst[0], worst[1]
 
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:

@@ -384,6 +384,10 @@ Nodes that bending on both sides puts deeper get a constraint of their own."""
 SHALLOW = 0.1
 """Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
 
+SMALL_MOVE = 1e-3
+"""Move relative to the mean length of an edge that takes no node into another surface: all iterations together go less
+deep than `SHALLOW` by such moves."""
+
 SIMULTANEOUS = 1e-6
 """Difference of times, as parts of a move, at which nodes enter another surface together."""
 
@@ -531,6 +535,8 @@ class ContactSystem:
         - `before`, `after`: positions of the surface nodes, each (n_nodes, 2).
         - `lin`: linearisation of the contacts about those after the move.
         """
+        if np.abs(after - before).max(initial=0.0) <= SMALL_MOVE * self.reach:
+            return None
         points = np.stack((self._all_points(before), self._all_points(after)))
         all_entries: list[tuple[int, int, Ints, Floats]] = []
         for number, contact in enumerate(self.solved(lin, lin.gaps)):

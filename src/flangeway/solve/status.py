@@ -52,8 +52,10 @@ class Checks:
     max_turn
         Maximum mean rotation of a cell in its body's frame, rad.
     force_error
-        Maximum estimated error of a region's contact force by law and mesh, or of its approach under a prescribed
-        force, relative to it; see `flangeway.contact.force_errors`.
+        Maximum estimated error of a region's contact force by law and mesh, relative to it, where no force is
+        prescribed; see `flangeway.contact.force_errors`.
+    approach_error
+        The same of the approach under a prescribed force, a length.
     errors
         Sentences about what makes the solution wrong.
     warnings
@@ -70,6 +72,7 @@ class Checks:
     max_strain: float
     max_turn: float
     force_error: float = 0.0
+    approach_error: float = 0.0
     errors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
