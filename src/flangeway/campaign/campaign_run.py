@@ -87,7 +87,7 @@ class CampaignProgress:
     """How far a campaign is.
 
     - `counts`: number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
-    - `seconds_left`: estimated time for the other rows; None at the beginning.
+    - `seconds_left`: estimated time for the other rows; None as long as this call has computed none.
     """
 
     n_rows: int

@@ -138,15 +138,12 @@ def campaign(
         refuse_unusable(database)
     begun = time.perf_counter()
     with show.progress(f"what is done is kept in {database}") as progress:
-        reports: list[CampaignProgress] = []
-        run_campaign(
-            wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=_rows_shown(progress, reports)
-        )
-    end = reports[-1]
+        shown = _rows_shown(progress)
+        end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=shown)
     table = results(database)
     seconds = time.perf_counter() - begun
     record = campaign_record(end, table, export or "csv", command_typed(), seconds, wanted.units)
-    if export is not None and reports[0].n_done == end.n_rows and not show.xlsx:
+    if export is not None and end.seconds_left is None and not show.xlsx:  # no row was computed
         show.files(write_export(table, folder, export, wanted.units))
         show.json(record.summary)
         return end.all_converged
@@ -154,13 +151,12 @@ def campaign(
     return end.all_converged
 
 
-def _rows_shown(show: Progress, reports: "list[CampaignProgress]") -> Callable[["CampaignProgress"], None]:
-    """Show how many rows are done and the time left, not more often than a reader wants; keep the first and last."""
+def _rows_shown(show: Progress) -> Callable[["CampaignProgress"], None]:
+    """Show how many rows are done and the time left, not more often than a reader wants."""
     last = -LINE_EVERY_S
 
     def rows(now: "CampaignProgress") -> None:
         nonlocal last
-        reports[1:] = [now]
         if time.monotonic() - last >= LINE_EVERY_S or now.n_done == now.n_rows:
             last = time.monotonic()
             show(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")

@@ -38,7 +38,7 @@ POLICY = (
 """The page loads nothing: script and style are inside, and it talks to this server alone; pages that may show it."""
 NOTEBOOKS = f"http://{HOST}:* http://localhost:* vscode-webview:"
 MAX_JSON_BYTES, MAX_INPUTS = 1_000_000, 200
-OPTIONS = {"mirror": bool, "unit": str, "tape_mm": float}
+OPTIONS = {"mirror": bool, "unit": str, "tape_mm": int | float}
 """Options of how a dropped file is read, and their types."""
 REMOVE = "import shutil, sys; sys.stdin.read(); shutil.rmtree(sys.argv[1], ignore_errors=True)"
 """Program that waits for the end of this process, however it ends, and then removes its folder."""
@@ -60,7 +60,7 @@ def application(engine: LiveEngine, token: str, frames: str = "'none'") -> Starl
     async def profile(request: Request) -> Response:
         options, content = _object(request.query_params.get("options", "{}")), await _body(request, MAX_FILE_BYTES)
         for name, value in options.items():
-            if name not in OPTIONS or not isinstance(value, OPTIONS[name] if name != "tape_mm" else int | float):
+            if not isinstance(value, OPTIONS.get(name, ())):
                 raise _refused(400, "options", f"an object of {', '.join(OPTIONS)}")
         return await _answer(engine.add_profile, request.query_params.get("name", ""), content, options)
 

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
 from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.mesh_checks import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
@@ -670,20 +670,17 @@ class StiffnessBody(LinearBody):
 
     @cached_property
     def _coupled(self) -> sp.csr_array:
-        """Nodes that K couples, true on the diagonal, (n_nodes, n_nodes)."""
-        matrix, dofs = sp.coo_array(self._matrix), self._places[: len(self.nodes)]
-        node = np.full(matrix.shape[0], -1)
-        node[dofs[dofs >= 0]] = np.nonzero(dofs >= 0)[0]
-        first, second = node[matrix.row], node[matrix.col]
-        there = (first >= 0) & (second >= 0) & (matrix.data != 0.0)
-        pairs = first[there], second[there]
-        return sp.csr_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=2 * (len(self.nodes),))
+        """Nodes that K couples, not zero there and on the diagonal, (n_nodes, n_nodes)."""
+        node, component = np.nonzero(self._places[: len(self.nodes)] >= 0)
+        entries = np.ones(len(node)), (self._places[node, component], node)
+        of_node = sp.csr_array(entries, shape=(self._matrix.shape[0], len(self.nodes)))
+        return of_node.T @ (self._matrix != 0.0) @ of_node
 
     def _check_coupled(self, name: str) -> None:
         """Refuse edges that no element has, whose ends K does not couple."""
         ends = self._chains[name][:, [0, -1]]
         movable: Any = self.free[: 2 * len(self.nodes)].reshape(-1, 2).any(axis=1)
-        uncoupled: Any = movable[ends].all(axis=1) & ~self._couples(ends[:, 0], ends[:, 1])
+        uncoupled: Any = movable[ends].all(axis=1) & ~self._couples(*ends.T)
         if uncoupled.any():
             raise self._skipped(name, ends[int(uncoupled.argmax())], "K does not couple them")
 
@@ -691,10 +688,9 @@ class StiffnessBody(LinearBody):
         """Refuse edges with a node between: on them, or outside; K may be condensed and couple all nodes."""
         edges = self._chains[name]
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
-        lengths = np.linalg.norm(chords, axis=1)
+        lengths = norms(chords)
         around = cKDTree(self.nodes).query_ball_point(starts + chords / 2.0, lengths / 2.0)
-        edge, node = np.repeat(np.arange(len(edges)), [len(nodes) for nodes in around]), np.concatenate(around)
-        node = node.astype(np.int64)
+        edge, node = np.repeat(np.arange(len(edges)), [*map(len, around)]), np.concatenate(around).astype(np.int64)
         height: Any = cross_product(chords[edge], self.nodes[node] - starts[edge]) / lengths[edge] ** 2
         dent = MAX_DENT if self.order == 1 else 0.0  # a middle node shows where the edge is
         between: Any = (height >= -MAX_BULGE) & (height <= dent) & ~np.isin(node, edges)
@@ -742,7 +738,7 @@ class StiffnessBody(LinearBody):
         """Nodes whose neighbours, those that K couples with them, are on one side of them."""
         node, other = self._coupled.nonzero()
         across = self.nodes[other] - self.nodes[node]
-        directions = across / np.maximum(np.linalg.norm(across, axis=1), np.finfo(np.float64).tiny)[:, None]
+        directions = across / np.maximum(norms(across), np.finfo(np.float64).tiny)[:, None]
         sums = [np.bincount(node, component, len(self.nodes)) for component in directions.T]
         return np.hypot(*sums) > MIN_ONE_SIDED * (np.bincount(node, minlength=len(self.nodes)) - 1)
 

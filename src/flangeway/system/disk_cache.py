@@ -92,14 +92,14 @@ class Cache:
 
     def store(self, key: str, arrays: Arrays) -> None:
         """Store arrays under a key; another process may do the same at the same time."""
-        if sum(np.asarray(value).nbytes for value in arrays.values()) > self.limit_bytes:
+        stored = {name: np.asarray(values) for name, values in arrays.items()}
+        if sum(values.nbytes for values in stored.values()) > self.limit_bytes:
             return
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             handle, name = tempfile.mkstemp(dir=self.folder, suffix=PARTIAL)
             try:
                 with os.fdopen(handle, "wb") as file:
-                    stored = {name: np.asarray(values) for name, values in arrays.items()}
                     hashed = {HASH: np.frombuffer(_hash(key, stored), dtype=np.uint8)}
                     np.savez(file, allow_pickle=False, **stored, **hashed)
                 Path(name).replace(self._path(key))
