@@ -75,7 +75,6 @@ def as_cell(value: Any) -> Value:
 
 FORMAT = "flangeway campaign 2"
 WAITING = "waiting"
-STATUSES = (WAITING, "converged", "not converged", "failed")
 OWN_COLUMNS = ("row", "identity", "status", "message", "warnings", "checksum")
 
 Columns = dict[str, list[Value]]

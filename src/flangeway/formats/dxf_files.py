@@ -176,8 +176,10 @@ def dxf_section(content: bytes, *, unit: str | None = None, layers: Sequence[str
             "draw the outline, or show its layer",
         )
     agreed = agreed_unit(drawing.unit, unit, _HOW_IN_DXF)
-    named = [(f"loop {number} of {len(loops)} (layer {loop[0].name!r})", loop) for number, loop in enumerate(loops, 1)]
-    repaired = [repaired_outline(loop, what, direction_matters=False) for what, loop in named]
+    repaired = [
+        repaired_outline(loop, f"loop {number} of {len(loops)} (layer {loop[0].name!r})", direction_matters=False)
+        for number, loop in enumerate(loops, 1)
+    ]
     _refuse_hatched(drawing.hatched, [outline for outline, _ in repaired])
     return section_of(repaired, agreed, drawing.notices)
 
@@ -272,8 +274,8 @@ def _draw(item: _Object, drawing: Drawing) -> None:
                 first, last = math.radians(dxf.start_angle), math.radians(dxf.end_angle)
             points = _radii(item, complex(centre.x, centre.y), dxf.radius, centre.z)
         turn = (last - first) % (2.0 * math.pi)
-        whole = min(turn, 2.0 * math.pi - turn) <= JOINT_TOLERANCE
-        pieces, closed = _ellipse(item, points, first, 2.0 * math.pi if whole else turn, drawing)
+        closed = min(turn, 2.0 * math.pi - turn) <= JOINT_TOLERANCE
+        pieces = _ellipse(item, points, first, 2.0 * math.pi if closed else turn, drawing)
     if pieces:
         (drawing.loops if closed else drawing.chains).append(pieces)
     else:
@@ -306,7 +308,7 @@ def _polyline(item: _Object, drawing: Drawing) -> tuple[list[DrawnSegment], bool
             pieces += _line(item, axes.points_to_wcs([(x, y, height), (end_x, end_y, height)]))
             continue
         centre = (start + end) / 2.0 + 1j * (end - start) * (1.0 - bulge * bulge) / (4.0 * bulge)
-        pieces += _ellipse(item, _radii(item, centre, start - centre, height), 0.0, 4.0 * math.atan(bulge), drawing)[0]
+        pieces += _ellipse(item, _radii(item, centre, start - centre, height), 0.0, 4.0 * math.atan(bulge), drawing)
     return pieces, closed
 
 
@@ -321,10 +323,8 @@ def _sides(corners: Any, closed: bool) -> list[tuple[Any, Any]]:
     return list(zip(corners, [*corners[1:], *corners[: int(closed)]], strict=False))
 
 
-def _ellipse(
-    item: _Object, points: Any, first: float, turn: float, drawing: Drawing
-) -> tuple[list[DrawnSegment], bool]:
-    """Part of an ellipse, and whether it is a whole one; one arc where it is a circle.
+def _ellipse(item: _Object, points: Any, first: float, turn: float, drawing: Drawing) -> list[DrawnSegment]:
+    """Part of an ellipse, or the whole; one arc where it is a part of a circle.
 
     - `points`: its centre, and the ends of two conjugate radii, (3, 3).
     - `first`, `turn`: parameter at its start, 0 at the first radius, and its change.
@@ -333,21 +333,20 @@ def _ellipse(
     radii = ends - centre
     sizes = norms(radii)
     if not sizes.max() > 0.0:
-        return [], False
+        return []
 
     def trace(at: Floats, _: Floats) -> tuple[Floats, Floats]:
         cosine, sine = np.cos(at), np.sin(at)
         return centre + np.column_stack((cosine, sine)) @ radii, np.column_stack((-sine, cosine)) @ radii
 
     spans = first + turn * np.linspace(0.0, 1.0, 9)
-    whole = abs(turn) >= 2.0 * math.pi - JOINT_TOLERANCE
     if max(abs(np.diff(sizes)[0]), abs(radii[0] @ radii[1]) / sizes.max()) > 1e-9 * sizes.max():
-        return _arcs(trace, spans, extent(centre + np.vstack((radii, -radii))), item, drawing), whole
-    if whole:
-        return drawn_circle(as_point(centre), float(sizes[0]), item.layer), True
+        return _arcs(trace, spans, extent(centre + np.vstack((radii, -radii))), item, drawing)
+    if abs(turn) >= 2.0 * math.pi - JOINT_TOLERANCE:
+        return drawn_circle(as_point(centre), float(sizes[0]), item.layer)
     start, end = trace(spans[[0, -1]], spans)[0]
     forward = bool(cross_product(radii[0], radii[1]) * turn > 0.0)
-    return [DrawnSegment(as_point(start), as_point(end), as_point(centre), forward, item.layer)], False
+    return [DrawnSegment(as_point(start), as_point(end), as_point(centre), forward, item.layer)]
 
 
 def _spline(item: _Object, drawing: Drawing) -> list[DrawnSegment]:
