@@ -287,9 +287,8 @@ def write_vtu(
         mesh = as_polylines(mesh)
         space = np.column_stack((mesh.points, np.zeros(mesh.n_points)))
     edge_sets: Mapping[str, Indices] = mesh.edge_sets
-    masks = {}
-    for name, members in mesh.cell_sets.items():
-        masks[CELL_SET + name] = np.isin(np.arange(mesh.n_cells), members).astype(np.uint8)
+    cells = np.arange(mesh.n_cells)
+    masks = {CELL_SET + name: np.isin(cells, members).astype(np.uint8) for name, members in mesh.cell_sets.items()}
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
         space = space[mesh.cell_points]

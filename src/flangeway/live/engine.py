@@ -116,15 +116,14 @@ class LiveEngine:
             raise InputError(
                 f"the file {short(base)}", f"a profile: {', '.join(READABLE)}", "drop a file of one of these"
             )
-        stored = Path(tempfile.mkdtemp(dir=self.folder)) / base if content else None
-        path = stored or self._path(base)
-        if stored:
-            stored.write_bytes(content)
+        path = Path(tempfile.mkdtemp(dir=self.folder)) / base if content else self._path(base)
+        if content:
+            path.write_bytes(content)
         try:
             measured = read_profile(path, ReadOptions(**options))
         except InputError as reason:
-            if stored:
-                shutil.rmtree(stored.parent)
+            if content:
+                shutil.rmtree(path.parent)
             given = with_texts(reason.given, lambda text: text.replace(f"{path.parent}{os.sep}", ""))
             raise InputError(given, reason.allowed, reason.advice) from reason
         self.files[base] = path

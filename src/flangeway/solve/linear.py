@@ -461,10 +461,10 @@ class Factor:
         motions = np.random.default_rng(0).standard_normal((n, min(4, n))).astype(scaled.dtype)
         try:
             raised = splu(scaled + SHIFT * sp.eye_array(n, format="csc"), permc_spec="MMD_AT_PLUS_A")
+            for _ in range(4):
+                motions = np.linalg.qr(raised.solve(motions))[0]
         except RuntimeError:  # of nonsymmetric matrices the shift may change nothing beyond round-off
             motions = motions[:, :0]
-        for _ in range(4 if motions.size else 0):
-            motions = np.linalg.qr(raised.solve(motions))[0]
         _, energies, turned = np.linalg.svd(scaled @ motions, full_matrices=False)
         null = (motions @ turned.conj().T)[:, energies < round_off / SINGULAR]
         whole = np.zeros((self.matrix.shape[0], null.shape[1]), dtype=scaled.dtype)

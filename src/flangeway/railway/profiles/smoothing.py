@@ -101,9 +101,14 @@ def noise_um(points: FloatArray) -> float:
     -0.144 times the variance.
     """
     if np.median(step_lengths(points)) <= DENSE_MM:
-        return 1.4826e3 * float(np.median(np.abs(_differences(points, 5))))
+        return _spread_um(points)
     fourth = _differences(points, 4)
     return 1e3 * math.sqrt(max(-float(np.quantile(fourth[1:] * fourth[:-1], 0.6)), 0.0) / 0.144)
+
+
+def _spread_um(points: FloatArray) -> float:
+    """Standard deviation of what is left of five neighbours each by the cubic, from the median of its size."""
+    return 1.4826e3 * float(np.median(np.abs(_differences(points, 5))))
 
 
 def _differences(points: FloatArray, n: int) -> FloatArray:
@@ -129,8 +134,9 @@ def _are_measured(points: FloatArray, noise: float, rounding: float) -> bool:
     spacing = float(np.median(step_lengths(points)))
     if spacing > DENSE_MM or noise <= NOISE_UM:
         return False
-    waves = 1.4826e3 * float(np.median(np.abs(_differences(points[:: max(int(1.0 / spacing), 1)], 5))))
-    return max(noise, waves) > DRAWN_NOISE_UM + ROUNDINGS * min(rounding, MAX_DRAWN_ROUNDING_UM)
+    return max(noise, _spread_um(points[:: max(int(1.0 / spacing), 1)])) > DRAWN_NOISE_UM + ROUNDINGS * min(
+        rounding, MAX_DRAWN_ROUNDING_UM
+    )
 
 
 def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:

@@ -307,17 +307,14 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
         abs(lateral),
         -lateral,
     )
-    if not beside.status.converged:
-        return [words]
-    return [
-        words
-        + sentence(
+    if beside.status.converged:
+        words += sentence(
             "; at {:.2f mm} from the middle, contact forces push it {} by {:.3g N}",
             abs(near),
             "outwards: it leaves the middle" if force > 0.0 else "back: it stays in the middle if it starts there",
             abs(force),
         )
-    ]
+    return [words]
 
 
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
