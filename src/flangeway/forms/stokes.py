@@ -30,6 +30,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.solve.linear import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, cell_quadrature, function_of
+from flangeway.space.spaces import component_dofs
 from flangeway.types import Bools, Floats, Indices, Ints
 
 HIGHEST_ORDER = 6
@@ -297,8 +298,7 @@ def _parts(space: Space) -> Iterator[_Part]:
     n_nodes, n_cells, n_low = space.n_nodes, space.mesh.n_cells, n_monomials(space.order - 1)
     n_inside = n_low - 1 + n_monomials(space.order - 3)
     for batch in space.batches():
-        nodes = batch.dofs[: len(batch.dofs) - batch.element.n_interior()].astype(np.int64)
-        nodal = (2 * nodes[:, None] + np.arange(2)[:, None]).reshape(-1, len(batch.cells))
+        nodal = component_dofs(batch.dofs[: len(batch.dofs) - batch.element.n_interior()], 2)
         inside = 2 * n_nodes + n_inside * batch.cells + np.arange(n_inside)[:, None]
         pressures = 2 * n_nodes + n_inside * n_cells + n_low * batch.cells + np.arange(n_low)[:, None]
         yield batch, divergence_free(space.order, batch.vertices), np.concatenate((nodal, inside)), pressures

@@ -17,6 +17,7 @@ from flangeway.problems.elasticity_problem import add_consistency, strain_operat
 from flangeway.problems.loads import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
 from flangeway.space.functions import cell_quadrature, function_of, quadrature_degree
+from flangeway.space.spaces import component_dofs
 from flangeway.space.symmetric import over_last_bit
 from flangeway.types import Floats, Indices, floats
 
@@ -387,9 +388,7 @@ def assembled_form(
             _add_stabilisation(added, weighted, functions, batch)
             local += added
             np.add.at(forces, test_dofs, np.abs(np.einsum("minje,ne->mei", added, constant)))
-        numbers = m * dofs[:, None] + np.arange(m)[:, None]
-        test_numbers = m_test * test_dofs[:, None] + np.arange(m_test)[:, None]
-        rows, columns = (numbers_of_side.reshape(-1, weights.shape[1]) for numbers_of_side in (test_numbers, numbers))
+        rows, columns = component_dofs(test_dofs, m_test), component_dofs(dofs, m)
         parts.append((rows, columns, local.reshape(len(rows), len(columns), -1)))
     matrix = scattered(parts, (m_test * test.n_dofs, m * trial.n_dofs))
     return FormMatrix.measured(matrix, np.repeat(trial.constant, m), forces.ravel(), least.ravel())
@@ -439,7 +438,7 @@ def stabilisation_matrix(region: FormRegion, tensor: Callable[[SimpleNamespace],
         if not batch.reconstruction.exact:
             weighted = tensor(w).reshape(m, JETS, m, JETS, *weights.shape) * weights
             _add_stabilisation(local, weighted, functions, batch)
-        numbers = (m * dofs[:, None] + np.arange(m)[:, None]).reshape(-1, dofs.shape[1])
+        numbers = component_dofs(dofs, m)
         parts.append((numbers, numbers, local.reshape(len(numbers), len(numbers), -1)))
     n = m * region.spaces[0].n_dofs
     return scattered(parts, (n, n))

@@ -60,8 +60,13 @@ class CellBatch:
 
     def vector_dofs(self, n_components: int) -> IntArray:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
-        numbers = self.dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]
-        return np.ascontiguousarray(numbers.reshape(-1, self.dofs.shape[1]))
+        return component_dofs(self.dofs, n_components)
+
+
+def component_dofs(dofs: IntArray, n_components: int) -> IntArray:
+    """Unknowns (n_components n, n_cells) of a field with components, of those of one field (n, n_cells)."""
+    numbers = dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]
+    return np.ascontiguousarray(numbers.reshape(-1, dofs.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)
