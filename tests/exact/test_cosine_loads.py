@@ -219,3 +219,32 @@ def test_a_round_bar_under_a_cosine_pressure_is_exact_to_its_order_on_curved_edg
         errors.append(abs(-found.energy / float(mesh.cell_areas.sum()) / exact_bar()[5.0][0] - 1.0))
     assert errors[0] < least
     assert errors[1] > 10.0 * errors[0]
+
+
+DISC = circle(1.0, (3.0, 0.0))
+
+
+@pytest.mark.parametrize("hypothesis", ["plane_strain", "axisymmetric"])
+@pytest.mark.parametrize("halves", [False, True])
+def test_a_disc_of_chords_names_the_area_beside_them(hypothesis, halves):
+    """``1 - n sin(2 pi / n) / (2 pi)`` of the disc for n chords, also in two pieces each; its curve has no notice."""
+
+    def message(mesh):
+        mesh = mesh.with_edge_set("low", lambda p: p[:, 1] < -0.8).with_edge_set("top", lambda p: p[:, 1] > 0.8)
+        element = Virtual(2) if halves else Lagrange(2)
+        body = Elasticity(Space(mesh, element), Elastic(1.0, 0.3, hypothesis), loads=[Traction("top", (0.0, 1.0))])
+        return solve_harmonic(Harmonic(body, held={"low": "xyz"}), 2.0).status.message
+
+    mesh = triangulate(DISC, size=0.3)
+    n = len(mesh.boundary_edges)
+    named = [float(word) for word in message(dual(mesh) if halves else mesh).split() if "e-0" in word]
+    assert named[-1] == pytest.approx(1.0 - n * np.sin(2.0 * np.pi / n) / (2.0 * np.pi), rel=0.05)
+    drawn = triangulate(DISC, size=0.3, outline=DISC)
+    assert "curve" not in message(dual(drawn) if halves else drawn)
+
+
+def test_straight_sides_and_corners_are_no_chords():
+    """The section of a bar with an edge cut off by 45 degrees has no notice."""
+    corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 0.8), (1.8, 1.0), (1.0, 1.0)]
+    bar = Outline.named([(f"side {i}", Line(corners[i - 1], corners[i])) for i in range(5)])
+    assert Elasticity(Space(triangulate(bar, size=0.2), Lagrange(2)), Elastic(1.0, 0.3, "axisymmetric")).facets is None

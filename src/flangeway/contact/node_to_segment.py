@@ -22,10 +22,10 @@ from flangeway.contact.kinematics import (
 )
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import COLLINEAR, Surface, node_normals, turns_of
+from flangeway.contact.surface import Surface, node_normals, turns_of
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, point_text, turned_right
+from flangeway.geometry.arrays import COLLINEAR, cross_product, point_text, turned_right
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Bools, Floats, Ints
 

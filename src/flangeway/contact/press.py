@@ -758,7 +758,7 @@ def _pressed(
         except (InputError, ArithmeticError) as error:
             if solution is None:
                 raise
-            failure = f"; its tangent is singular: {error.args[0]}"
+            failure = f"; its tangent is singular: {str(error).splitlines()[0]}"
             break
         if not solution.status.converged:
             failure = f"; the contact is {solution.status.message}"
@@ -777,6 +777,8 @@ def _pressed(
         states = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()}
     message = f"displacements change by {change:.1e} of their maximum{failure}"
     status = Status(converged, message, iteration).with_stabilisation(float(works[1] / max(works.sum(), MIN_POSITIVE)))
+    if converged and (checks := solution.status.checks):
+        status = status.with_notices(*checks.warnings, *(body.locking(states[part]) for part, body in bodies.items()))
     return NonlinearContact(solution, fields, status, states)
 
 

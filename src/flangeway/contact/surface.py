@@ -11,7 +11,15 @@ from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
-from flangeway.geometry.arrays import cross_product, point_text, turned_right
+from flangeway.geometry.arrays import (
+    COLLINEAR,
+    ROUGH_ANGLE,
+    chord_depths,
+    cross_product,
+    facet_depths,
+    point_text,
+    turned_right,
+)
 from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
 from flangeway.problems import Body, Part
 from flangeway.types import Bools, Complex, Floats, Ints
@@ -19,22 +27,12 @@ from flangeway.types import Bools, Complex, Floats, Ints
 MAX_CURVE_DISTANCE = 0.25
 """Distance of a node from the surface's curve, relative to the mean edge, above which the curve is refused."""
 
-COLLINEAR = 1e-6
-"""Turn between edges, in rad, below which they are one line."""
-
 CORNER_ANGLE = np.deg2rad(15.0)
 """Turn between edges from which they meet in a corner."""
 
 CHORD_ANGLE = np.deg2rad(5.0)
 """Turn between edges up to which they are taken for chords of a curve where none is drawn, 72 or more to a circle: what
 these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER_ANGLE`."""
-
-ROUGH_ANGLE = np.deg2rad(30.0)
-"""Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
-have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
-
-CHORD_RATIO = 1.5
-"""Length of an edge that is a chord of a curve relative to that of the longer neighbour."""
 
 MAX_STRAIGHT_DISTANCE = 1e-9
 """Distance of the curve from the edges' middles, relative to the edges, below which it is straight."""
@@ -273,24 +271,8 @@ class Surface:
         See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a curve.
         """
         depth = np.zeros(len(self.edge_nodes))
-        if self.follows_curve.all():
-            return depth
-        ends = as_complex(self.part.body.nodes[self.edge_nodes[:, [0, -1]]])
-        chords = ends[:, 1] - ends[:, 0]
-        turns = np.angle(chords / np.roll(chords, 1))  # at the start of each edge
-        if ends[0, 0] != ends[-1, 1]:
-            turns[0] = np.nan
-        starts = np.flatnonzero(~(np.abs(turns) < COLLINEAR))
-        if len(starts) < 2:
-            return depth
-        line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
-        lengths = np.bincount(line, np.abs(chords)).astype(np.float64)
-        # a straight side is far longer than the chords of the arcs beside it
-        lengths = np.minimum(lengths, CHORD_RATIO * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
-        before, after = turns[starts], np.roll(turns[starts], -1)
-        # a chain's first and last line have one turn each
-        before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
-        depth[:] = chord_depths(lengths, before, after, limit)[line]
+        if not self.follows_curve.all():
+            depth = facet_depths(self.part.body.nodes[self.edge_nodes[:, [0, -1]]], limit)
         depth[self.follows_curve] = 0.0
         return depth
 
@@ -385,17 +367,6 @@ class Surface:
         total = np.zeros(len(self.nodes))
         np.add.at(total, self.edge_places, self.edge_shares)
         return total * self.part.body.depth
-
-
-def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -> Floats:
-    """Distance ``h^2 / 8 R`` of chords from the smooth curve that they belong to, shape (n,).
-
-    Two chords of a circle meet at the angle ``h / R``. The turns at both ends of a chord show a curve if they are to
-    the same side and below a limit; the smaller one gives its radius. Otherwise the distance is 0.
-    """
-    turns = np.minimum(np.abs(before), np.abs(after))
-    smooth = (before * after > 0.0) & (np.maximum(np.abs(before), np.abs(after)) < limit)
-    return np.where(smooth, lengths * turns / 8.0, 0.0)
 
 
 def sagittas_of(

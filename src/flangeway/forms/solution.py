@@ -439,13 +439,13 @@ def newton(
     Raises
     ------
     InputError
-        If the tangent is not the derivative, a linear system is singular, or the start or the load is not real.
+        If the tangent is not the derivative or is singular at the start, or the start or the load is not real.
 
     """
     first = as_numbers("first unknowns", start, "real numbers")
     problem = _Problem(space, form, first, fields or {}, boundary or {}, tangent, degree)
     given = np.broadcast_to(as_numbers("a load", load, "real numbers"), first.shape)
-    u, norms = first.copy(), []
+    u, norms, failure = first.copy(), [], ""
     residual, matrix, stabilisation = problem.linearised(u)
     for iteration in range(max_iterations + 1):
         factor = Factor(matrix, fixed, problem.m)
@@ -460,7 +460,13 @@ def newton(
             break
         if iteration == 1:
             problem.check_tangent(u, matrix - stabilisation)
-        base, step = u, factor.solve(-unbalanced)
+        try:
+            base, step = u, factor.solve(-unbalanced)
+        except InputError as error:
+            if iteration == 0:
+                raise
+            failure = f", where the tangent is {error.given}"
+            break
         step.ravel()[~factor.free] = 0.0
         for fraction in 0.5 ** np.arange(MAX_HALVINGS):
             try:
@@ -472,8 +478,8 @@ def newton(
             if size <= (1.0 - SUFFICIENT_DECREASE * fraction) * norms[-1]:
                 break
     works = [abs(float(u.ravel() @ (part @ u.ravel()))) for part in (stabilisation, matrix - stabilisation)]
-    after = "" if converged else f" after {max_iterations} iterations"
-    status = Status(converged, f"the residual is {norms[-1]:.1e}{after}", iteration)
+    after = "" if converged else f" after {iteration} iterations"
+    status = Status(converged, f"the residual is {norms[-1]:.1e}{after}{failure}", iteration)
     return NewtonSolution(u, status.with_stabilisation(works[0] / max(sum(works), MIN_POSITIVE)), tuple(norms))
 
 

@@ -137,3 +137,53 @@ def nearest_on_segments(points: Floats, starts: Floats, ends: Floats) -> tuple[I
     distances = np.linalg.norm(apart - shares[..., None] * chords, axis=-1)
     nearest, rows = distances.argmin(axis=1), np.arange(len(points))
     return nearest, shares[rows, nearest], distances[rows, nearest]
+
+
+# --- Straight edges that stand for a smooth curve.
+
+
+COLLINEAR = 1e-6
+"""Turn between edges, in rad, below which they are one line."""
+
+ROUGH_ANGLE = np.deg2rad(30.0)
+"""Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
+have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
+
+CHORD_RATIO = 1.5
+"""Length of an edge that is a chord of a curve relative to that of the longer neighbour."""
+
+
+def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -> Floats:
+    """Distance ``h^2 / 8 R`` of chords from the smooth curve that they belong to, shape (n,).
+
+    Two chords of a circle meet at the angle ``h / R``. The turns at both ends of a chord show a curve if they are to
+    the same side and below a limit; the smaller one gives its radius. Otherwise the distance is 0.
+    """
+    turns = np.minimum(np.abs(before), np.abs(after))
+    smooth = (before * after > 0.0) & (np.maximum(np.abs(before), np.abs(after)) < limit)
+    return np.where(smooth, lengths * turns / 8.0, 0.0)
+
+
+def facet_depths(ends: Floats, limit: float) -> Floats:
+    """Distance of edges (n, 2, 2) that follow each other from the smooth curve whose chords turn by less than a limit.
+
+    See `chord_depths`; pieces of one straight line are one chord. Shape (n,).
+    """
+    depth = np.zeros(len(ends))
+    start, end = (ends @ np.array([1.0, 1j])).T
+    chords = end - start
+    turns = np.angle(chords / np.roll(chords, 1))  # at the start of each edge
+    if start[0] != end[-1]:
+        turns[0] = np.nan
+    starts = np.flatnonzero(~(np.abs(turns) < COLLINEAR))
+    if len(starts) < 2:
+        return depth
+    line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
+    lengths = np.bincount(line, np.abs(chords)).astype(np.float64)
+    # a straight side is far longer than the chords of the arcs beside it
+    lengths = np.minimum(lengths, CHORD_RATIO * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
+    before, after = turns[starts], np.roll(turns[starts], -1)
+    # a chain's first and last line have one turn each
+    before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
+    depth[:] = chord_depths(lengths, before, after, limit)[line]
+    return depth

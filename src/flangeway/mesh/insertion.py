@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import (
+    COLLINEAR,
     IntArray,
     as_point,
     as_points,
@@ -38,7 +39,6 @@ from flangeway.types import Floats, Indices, Ints
 
 MERGE = 1e-7
 """Distance of a point from a node relative to the shorter edge there, up to which it is the node."""
-COLLINEAR = 1e-6  # turn between edges, in rad, below which they are one straight line
 CORNER = math.radians(45.0)  # turn between straight lines above which each keeps its own normal
 FACING = 0.5  # minus the product of the normals of points opposite each other, at least: within 60 degrees
 MAX_OVERLAP = 0.05  # depth, relative to the smaller boundary's extent, up to which boundaries that overlap are opposite

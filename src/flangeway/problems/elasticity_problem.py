@@ -13,8 +13,9 @@ from flangeway.elements import Reconstruction, batched, monomials, polygon_quadr
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import edge_points, edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import steps_around
+from flangeway.geometry.arrays import ROUGH_ANGLE, facet_depths, norms, steps_around
 from flangeway.materials import Material
+from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.loads import (
     Load,
@@ -183,6 +184,10 @@ LOCKING_BULK = 20.0
 block of ten layers is 9 % too stiff, and twice as much at 0.487."""
 
 
+MAX_FACET_AREA = 1e-4
+"""Area between chords and their curves relative to the section, from which a sentence names it."""
+
+
 def _of_kind(items: Sequence[Load | Support], kind: type[Kind]) -> tuple[Kind, ...]:
     return tuple(item for item in items if isinstance(item, kind))
 
@@ -295,6 +300,23 @@ class Elasticity:
         return (
             f"{self.name} locks: its volume is nearly constant (bulk over shear modulus {ratios.max():.3g}), and "
             "elements of order 1 make the forces too large; take order 2, or virtual elements on polygons"
+        )
+
+    @property
+    def facets(self) -> str | None:
+        """Sentence about straight edges that stand for a smooth curve; None where they change the section by little."""
+        mesh = self.space.mesh
+        pairs = ordered_pairs(mesh.boundary_edges, "boundary")
+        straight = (mesh.curve_rows[mesh.edge_numbers(pairs)] < 0) | (self.space.order == 1)
+        ends, loops = mesh.points[pairs], chain_starts(pairs)[1:]
+        depths = np.concatenate([facet_depths(loop, ROUGH_ANGLE) for loop in np.split(ends, loops)])
+        # a chord and its arc have 2/3 of the product of their distance and length between them
+        fraction = np.sum(straight * depths * norms(ends[:, 1] - ends[:, 0])) / 1.5 / mesh.cell_areas.sum()
+        if fraction < MAX_FACET_AREA:
+            return None
+        return (
+            f"{self.name} has straight edges that look like chords of a curve, and {fraction:.1e} of its section lies "
+            "between them and the curve; take order 2 or more and curved(mesh, outline), or more edges there"
         )
 
     @property

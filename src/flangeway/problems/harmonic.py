@@ -126,7 +126,8 @@ def mean_and_rotation(rule: EdgeQuadrature) -> tuple[Ints, Floats, float]:
 class Harmonic:
     """A prism, or a body of revolution, under loads that vary as a cosine along it.
 
-    Forces are per length of a prism and per radian of a body of revolution, as amplitudes.
+    Forces are per length of a prism and per radian of a body of revolution, as amplitudes. Chords of curves change them
+    at every wavenumber by about the area beside the chords: the status of a solution names it from 1e-4 of the section.
 
     Parameters
     ----------

@@ -188,6 +188,16 @@ class NonlinearBody:
         """Points of quadrature, (n_points, 2), batch by batch."""
         return np.concatenate([part.at.swapaxes(1, 2).reshape(-1, 2) for part in self._points])
 
+    def locking(self, state: MaterialState) -> str | None:
+        """Sentence about cells that lock, since they are nearly incompressible or flow; None where few of them do."""
+        flows = any(history.any() for history in state.history)
+        if not flows or self.problem.space.locks.mean() < 0.5:
+            return self.problem.locking
+        return (
+            f"{self.problem.name} locks: plastic flow keeps its volume, and elements of order 1 make the forces "
+            "too large; take order 2, or virtual elements on polygons"
+        )
+
     def start(self) -> MaterialState:
         """The undeformed body."""
         rest = np.zeros((self.problem.space.n_dofs, 2))

@@ -166,6 +166,7 @@ def _solved(
     status = status.with_stabilisation(float(works[1] / max(works.sum(), size * reach)))
     stress, history = body.stresses(state, u)
     after = body.committed(state, u) if converged else state
+    status = status.with_notices(body.locking(after))
     return NonlinearSolution(
         problem, u, status, factor, reactions, body.points, stress, history, tuple(residuals), after
     )

@@ -1,6 +1,6 @@
 """Solutions by one sparse Cholesky factor: plane elasticity, bodies at one wavenumber, torsion."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -97,7 +97,7 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     reduced = _reduced(matrix, constraints)
     rhs = constraints.transform.T @ (load - product.at_nodes(constraints.shift)) + applied
     free_values, status = _solved(problem, reduced, constraints, rhs, product)
-    status = replace(status, message="; ".join(filter(None, (status.message, problem.locking))))
+    status = status.with_notices(problem.locking)
     nodal = constraints.transform @ free_values + constraints.shift
     displacements = condensed.recover(nodal, mechanical + thermal)
     spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // 2, 2)
@@ -261,6 +261,7 @@ def solve_harmonic(problem: Harmonic, wavenumber: float) -> HarmonicSolution:
             "a body that is held, or on a foundation, in every direction in which it is loaded",
             "give held=... or foundations=...",
         ) from error
+    status = status.with_notices(problem.elasticity.locking, problem.elasticity.facets)
     amplitudes = np.zeros(load.shape)
     if transform is None:
         amplitudes[free] = values

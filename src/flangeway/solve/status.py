@@ -109,6 +109,10 @@ class Status:
     stabilisation: float | None = None
     is_unheld: bool = False
 
+    def with_notices(self, *notices: str | None) -> "Status":
+        """Add sentences to the message, each once; None is no sentence."""
+        return replace(self, message="; ".join(filter(None, dict.fromkeys((self.message, *notices)))))
+
     def with_stabilisation(self, fraction: float) -> "Status":
         """Take the fraction over; the message names it above `MAX_STABILISATION`."""
         message = self.message
