@@ -425,8 +425,7 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
             in_contact, warnings = checked_bodies(contact, model)
             status = _worst([in_contact, status])
             notices += [*_overlaps(contact, self.contacts), *warnings]
-        problems = [body.problem if body.part is None else body.part.body.elasticity for body in model.bodies.values()]
-        notices += filter(None, [problem.locking for problem in problems])
+        notices += filter(None, [body.problem.locking for body in model.bodies.values() if body.part is None])
         results = {}
         for name, body in model.bodies.items():
             if body.part is None or contact is None:
@@ -511,8 +510,13 @@ def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status
     - `model`: the bodies and their loads.
     """
     status = contact.status
-    if status.checks is None or not contact.forces.any():
+    if status.checks is None:
         return status, ()
+    measured = status.checks.warnings
+    if status.converged:  # they are warnings of the case, not words of its first line
+        status = replace(status, message=status.message.removesuffix("; ".join(("", *measured))))
+    if not contact.state.forces.any():
+        return status, measured
     patches = pressure_patches(contact.system, contact.state)
     names = [
         f"the contact of {pair.secondary.part.name} on {pair.primary.part.name}" for pair in contact.system.contacts
@@ -526,7 +530,7 @@ def checked_bodies(contact: ContactSolution, model: BodiesModel) -> tuple[Status
         "beyond is missing; give more edges, unless they were left out on purpose"
         for surface in cut_zones(contact.system, contact.state)
     )
-    return status, (*checks.warnings, *missing)
+    return status, (*measured, *checks.warnings, *missing)
 
 
 def _residual_errors(contact: ContactSolution, model: BodiesModel) -> list[str]:
