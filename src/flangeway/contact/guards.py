@@ -47,7 +47,7 @@ larger."""
 DEPTH_TOLERANCE = 0.02
 """Difference of two depths, relative to the larger one, below which it is chance which of them is the smaller one."""
 
-END_DISTANCE = 1e-6
+END_DISTANCE = 1e-4
 """Distance of a node from one of the other side, relative to the length of an edge, below which each guards both."""
 
 JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
