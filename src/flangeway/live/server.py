@@ -200,7 +200,7 @@ class LiveServer:
 
     def opener(self) -> Path:
         """Write a page that leads to the address, and that only this user can read: commands are seen by all."""
-        path = self.engine.folder / "open.html"
+        path = self.engine.folder / "flangeway-live.html"
         path.touch(mode=0o600)
         path.write_text(f'<meta http-equiv="refresh" content="0; url={self.address}">', encoding="utf-8")
         return path

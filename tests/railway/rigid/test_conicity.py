@@ -134,7 +134,7 @@ def run(tmp_path_factory):
     rows = "\n".join(f"{x:.4f} {y:.4f}" for x, y in points)
     file.write_text(f"# unit: mm\n# kind: wheel\n# origin: tape\n# up: yes\n{rows}\n", encoding="utf-8")
     values = {"wheel": str(file), "wheel_body": "R-519-I", "rail": REFERENCE_RAIL, "rail_inclination": 0.05}
-    values |= {"gauge_mm": 1435.1654, "maximum_lateral_mm": 6.0, "roll": "none"}
+    values |= {"gauge_mm": 1435.164446, "maximum_lateral_mm": 6.0, "roll": "none"}
     return run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values))
 
 
@@ -151,11 +151,11 @@ def test_neutral_equilibrium(run):
 
 
 def test_conicity_below_the_jump(run):
-    """Below the jump the conicity is zero, beyond it the standard's within the 0.05 that it allows."""
+    """Below the jump the conicity is zero to the points' rounding, beyond it the standard's within the 0.05 it allows."""
     assert np.isfinite(run.conicities.integration).all()
     found = np.interp(list(PUBLISHED), run.conicities.amplitudes_mm, run.conicities.integration)
     assert np.abs(found - list(PUBLISHED.values())).max() < 0.05
-    assert found[:2].tolist() == [0.0, 0.0]
+    assert found[:2] == pytest.approx(0.0, abs=2e-5)  # radii of points of four decimals differ by nanometres
 
 
 @pytest.mark.parametrize("noise", [2e-5, -2e-5])
