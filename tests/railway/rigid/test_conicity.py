@@ -151,7 +151,7 @@ def test_neutral_equilibrium(run):
 
 
 def test_conicity_below_the_jump(run):
-    """Below the jump the conicity is zero to the points' rounding, beyond it the standard's within the 0.05 it allows."""
+    """Below the jump the conicity is zero to the rounding of points, beyond it the standard's within its 0.05."""
     assert np.isfinite(run.conicities.integration).all()
     found = np.interp(list(PUBLISHED), run.conicities.amplitudes_mm, run.conicities.integration)
     assert np.abs(found - list(PUBLISHED.values())).max() < 0.05
