@@ -90,6 +90,17 @@ def test_chords_of_a_sphere_are_refused_or_right_within_their_error() -> None:
     assert abs(right / pressed.force - 1.0) < pressed.error
 
 
+@pytest.mark.parametrize("pairing", PAIRINGS)
+def test_with_friction_nothing_touches_only_where_surfaces_are_apart(pairing: str) -> None:
+    """Nodes alone are guarded with friction: an overlap between them is refused, a force is right within its error."""
+    for depth, x in itertools.product((0.02, 0.2), (0.0, 2.6)):
+        run = roller({"shift_mm": [0.0, -depth]}, x, friction=0.3, pairing=pairing)
+        assert run.contact is not None
+        if run.status.converged:
+            error = run.contact.status.checks.force_error + 0.05
+            assert abs(line_force(depth) / run.contact.forces[0, 1] - 1.0) < error, (depth, x)
+
+
 @pytest.mark.parametrize("gap", [0.1, 0.0])
 def test_a_roller_that_does_not_reach_the_block_has_no_force(gap: float) -> None:
     """Chords that follow their circle, in the drawing and after the motion: nothing touches, and nothing passed."""

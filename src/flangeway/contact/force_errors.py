@@ -132,13 +132,12 @@ def force_errors(system: ContactSystem, response: BodyResponse, state: ContactSt
 
 
 def hidden_overlap(system: ContactSystem, state: ContactState, number: int) -> float:
-    """Maximum overlap of the drawn surfaces of a contact without force, whose chords are apart; 0 if there is none."""
+    """Maximum overlap of the drawn surfaces of a contact without force, between their nodes; 0 if there is none."""
     contact = system.contacts[number]
     depths = [surface.facet_depths(CORNER_ANGLE) for surface in contact.sides]
-    if not any(depth.any() for depth in depths):
-        return 0.0
     edges, faced, _, gaps = _gaps(system, contact, state.positions, np.arange(len(contact.secondary.edges)))
     overlap = depths[0][edges] + depths[1][faced] - gaps
+    overlap[-gaps > contact.secondary.edge_lengths[edges]] = 0.0  # faced through a body
     return max(0.0, float(overlap.max(initial=0.0)))
 
 

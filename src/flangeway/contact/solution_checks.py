@@ -503,8 +503,8 @@ def _force_errors(
             overlap = hidden_overlap(system, state, number)
             if overlap > ROUND_OFF * max(part.body.size for part in contact.parts):
                 errors.append(
-                    f"nothing touches in {name}, though the curves whose chords are its surfaces overlap by "
-                    f"{overlap:.2g}: give its surfaces their drawn curves (curved), or take smaller elements there"
+                    f"nothing touches in {name}, though its surfaces overlap by {overlap:.2g} between nodes: take "
+                    "smaller elements there, and give it their drawn curves (curved)"
                 )
             continue
         prescribed = bool(set(contact.parts).intersection(moving))
