@@ -777,8 +777,7 @@ def _pressed(
         states = {part: body.committed(states[part], fields[part]) for part, body in bodies.items()}
     message = f"displacements change by {change:.1e} of their maximum{failure}"
     status = Status(converged, message, iteration).with_stabilisation(float(works[1] / max(works.sum(), MIN_POSITIVE)))
-    if converged and (checks := solution.status.checks):
-        status = status.with_notices(*checks.warnings, *(body.locking(states[part]) for part, body in bodies.items()))
+    status = status.with_notices(*(body.locking(states[part]) for part, body in bodies.items()))
     return NonlinearContact(solution, fields, status, states)
 
 
