@@ -80,7 +80,7 @@ def test_a_body_that_its_supports_leave_free_rests_on_the_contact(supports):
     ("motion", "converged", "words"),
     [
         ({"push_N": [0.0, 100.0]}, False, "no contact holds a load: `upper` can slide in y"),
-        ({"push_N": [0.0, -1e12]}, False, "check its direction and its size"),
+        ({"push_N": [0.0, -1e12]}, False, "check the direction and the size of loads"),
         ({"shift_mm": [0.0, 5.0]}, True, "nothing touches"),
     ],
 )
