@@ -412,8 +412,8 @@ class _Run:
             step = self._step() or self._step(bend=False)
             if step is None:
                 return (
-                    "not converged: the contact laws of a linearised step have no solution; check the direction and the "
-                    "size of loads and motions, or take a finer mesh or a softer penalty"
+                    "not converged: the contact laws of a linearised step have no solution; check the direction and "
+                    "the size of loads and motions, or take a finer mesh or a softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((iteration.residual for iteration in self.history[-MEMORY:]), default=np.inf)
