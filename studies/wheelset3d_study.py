@@ -232,6 +232,7 @@ WIDE = {
     "rail": "136RE",
     "wheel": "AAR-1B",
     "gauge_mm": 1600.0,
+    "gauge_at": "narrowest",
     "wheel_radius_mm": 500.0,
     "wheel_radius_at": "flange-tip",
 }
@@ -239,6 +240,7 @@ EUROPE = {
     "rail": "60E1",
     "wheel": "S1002",
     "gauge_mm": 1435.0,
+    "gauge_at": "narrowest",
     "wheel_radius_mm": 460.0,
     "wheel_radius_at": "tape-line",
 }
