@@ -193,6 +193,14 @@ def test_what_converged_is_right(number: int) -> None:
     assert not outcome(number).wrong
 
 
+def test_contact_that_comes_and_goes_under_all_of_a_load_holds_it_after_shorter_steps() -> None:
+    """A corner with friction and a barrier is reached in steps, although one step ends where nothing touches."""
+    found = outcome(22)
+    assert found.converged, found.message
+    assert found.touches
+    assert not found.wrong
+
+
 def test_the_judge_sees_a_wrong_solution() -> None:
     """To a solution without fault a load that is one per cent larger is a fault."""
     number = next(n for n in range(100) if Case.of(n).drive == "slide")

@@ -760,7 +760,8 @@ class _Run:
 
     def _explain(self) -> str:
         last = self.history[-1]
-        if loose := self._loose():
+        # where contact comes and goes, it holds the load in part of the iterations, and may do so under less of it
+        if not last.changed and (loose := self._loose()):
             return loose
         unbalanced = self._unbalanced()
         advice = "take a softer penalty or a finer mesh"
