@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.ndimage import maximum_filter1d
 
 from flangeway.checks import are_all, is_finite, refused
 from flangeway.contact.guards import (
@@ -381,6 +382,13 @@ MAX_OVERLAP = 0.2
 elements at the end of a contact on a sharp corner leave up to 0.18 on the coarsest meshes that are held to be of use.
 Nodes that bending on both sides puts deeper get a constraint of their own."""
 
+N_NEIGHBOURS = 5
+"""Edges in a row the longest of which is the length of the one in their middle."""
+
+MIN_THICKNESS = 5e-3
+"""Depth relative to the length of an edge below which a node that leaves through another edge met a corner's tip or an
+edge that turned, and no body: twice that is the thickness of the thinnest body that stops it."""
+
 SHALLOW = 0.1
 """Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
 
@@ -550,12 +558,15 @@ class ContactSystem:
                 places, n = sides[other].contact_places, len(sides[side].nodes)
                 pieces = np.stack((places[:, :-1].ravel(), places[:, 1:].ravel()), axis=1)
                 edges = at[other][:, pieces]
-                depths = SHALLOW * np.linalg.norm(edges[0, :, 1] - edges[0, :, 0], axis=1)
+                # short edges beside long ones turn about their nodes as these deform: their length says nothing
+                lengths = maximum_filter1d(np.linalg.norm(edges[0, :, 1] - edges[0, :, 0], axis=1), N_NEIGHBOURS)
+                depths = SHALLOW * lengths
                 entry = visits(at[side][:, :n], edges, depths)
                 shows = on_shown[entry.points] if side == 0 else shown[entry.edges // (places.shape[1] - 1)]
                 deep = (entry.depths > depths[entry.edges]) & ~(shows & (entry.ends == 1.0))
                 # constraints of its own hold a node that has any, unless it goes right through
-                deep = entry.other_side | (deep & (lin.guarded_nodes[number][side][entry.points] == 0.0))
+                right_through = entry.other_side & (entry.depths > MIN_THICKNESS * lengths[entry.edges])
+                deep = right_through | (deep & (lin.guarded_nodes[number][side][entry.points] == 0.0))
                 all_entries.append((number, side, entry.points[deep], entry.times[deep]))
         first = min((float(times.min(initial=np.inf)) for *_, times in all_entries), default=np.inf)
         if first > 1.0:
