@@ -18,7 +18,7 @@ from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path, visits
 from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
-from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, ContactSystem
+from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, Contact, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product, point_text, turned_right
 from flangeway.mesh.connectivity import edge_places
@@ -225,24 +225,31 @@ class BodyOverlap:
 
 
 def deformed_boundaries(
-    system: ContactSystem, response: BodyResponse, state: ContactState, fields: Sequence[Floats]
+    system: ContactSystem,
+    response: BodyResponse,
+    state: ContactState,
+    fields: Sequence[Floats],
+    followed: Sequence[Contact] | None = None,
 ) -> list[Boundary]:
-    """Boundary of each part in space, with the displacements of all nodes of each body in its own frame."""
+    """Boundary of each part in space, with the displacements of all nodes of each body in its own frame.
+
+    Surfaces of the contacts ``followed`` follow their drawn curves (default: of all).
+    """
     boundaries = []
     for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
         first, last = response.offsets[number : number + 2]
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        boundaries.append(_boundary(system, part, at))
+        boundaries.append(_boundary(system, part, at, system.contacts if followed is None else followed))
     return boundaries
 
 
-def _boundary(system: ContactSystem, part: Part, positions: Floats) -> Boundary:
+def _boundary(system: ContactSystem, part: Part, positions: Floats, among: Sequence[Contact]) -> Boundary:
     """Boundary of a part whose nodes are at positions in space, which follows its curves as its contacts do."""
     sides = [(contact, side) for contact in system.contacts for side in contact.sides if side.part is part]
     # with friction nodes alone are guarded, see `penetrating`
-    followed = [side for contact, side in sides if contact.friction_coefficient == 0.0]
+    followed = [side for contact, side in sides if contact.friction_coefficient == 0.0 and contact in among]
     return Boundary.of_part(part, positions, followed, max(side.chord_turn for _, side in sides))
 
 
@@ -269,7 +276,10 @@ def body_overlaps(
     """
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
-    boundaries = deformed_boundaries(system, response, state, fields)
+    # in a contact of many elements the error of the force counts what these leave between nodes
+    solved = system.solved(state.linearisation, state.forces)
+    followed = [contact.contact for contact in solved if not contact.is_resolved]
+    boundaries = deformed_boundaries(system, response, state, fields, followed)
     moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
     overlaps = []
     sides = [side for side in zip(system.parts, boundaries, strict=True) if side[0].body.boundary_is_closed]
@@ -317,7 +327,8 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
     """
     errors = []
     undeformed = [
-        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes))) for part in system.parts
+        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes), system.contacts))
+        for part in system.parts
     ]
     at = cache(lambda step: undeformed if step == 0 else _placed_boundaries(system, states[step - 1]))
     for one, other in dict.fromkeys(contact.parts for contact in system.contacts):

@@ -392,6 +392,9 @@ edge that turned, and no body: twice that is the thickness of the thinnest body 
 SHALLOW = 0.1
 """Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
 
+MIN_RESOLVED = 5
+"""Constraints of the pairing under force from which a contact is not narrower than its elements."""
+
 SMALL_MOVE = 1e-3
 """Move relative to the mean length of an edge that takes no node into another surface: all iterations together go less
 deep than `SHALLOW` by such moves."""
@@ -413,6 +416,11 @@ class SolvedContact(NamedTuple):
     pairs: Constraints
     inside: slice
     forces: Floats
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the pairing presses with so many constraints that the elements resolve the contact."""
+        return int(np.count_nonzero(self.forces[~self.pairs.guarded])) >= MIN_RESOLVED
 
 
 class Entry(NamedTuple):
@@ -525,7 +533,8 @@ class ContactSystem:
         for number, contact in enumerate(self.solved(lin, forces)):
             sides, explained = contact.contact.sides, self.explained(contact, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            follow = contact.contact.friction_coefficient == 0.0
+            # in a contact of many elements these alone let points between nodes penetrate: forces there would oscillate
+            follow = contact.contact.friction_coefficient == 0.0 and not contact.is_resolved
             bent = MAX_OVERLAP * moved / 2.0
             guards = penetrating(sides, at, lin.guarded_nodes[number], explained, bent, follow=follow)
             more |= bool(guards[0].any() or guards[1].any())
