@@ -65,7 +65,7 @@ def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
     assert [float(row["position"]) for row in rows] == [step["position"] for step in summary["steps"]]
     assert float(rows[-1]["right_wheel_depth_mm"]) == summary["steps"][-1]["right_wheel_depth_mm"] > 0.0
     # as `flangeway geometry wheelset` prints it
-    assert float(rows[0]["conicity"]) == pytest.approx(0.1577, abs=5e-5)
+    assert float(rows[0]["conicity"]) == pytest.approx(0.1771, abs=5e-5)
     worn = read_profile(out / "worn-right-wheel.csv").surface.sampled(spacing=0.1)
     assert np.abs(worn[:, 1]).max() > 20.0
     assert "energy, 0.5 mm3/kJ" in (out / "report.html").read_text()
