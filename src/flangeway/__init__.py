@@ -22,6 +22,8 @@ first used, so that importing this package takes no time.
 
 import lazy_loader
 
+from flangeway.views import Views, register_views
+
 _loaded, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)  # the names are in __init__.pyi
 
 
@@ -31,3 +33,10 @@ def __getattr__(name: str) -> object:
 
         return version("flangeway")
     return _loaded(name)
+
+
+@register_views
+def _report() -> Views:
+    from flangeway import report  # noqa: PLC0415 (loaded when a result is shown)
+
+    return report

@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from string import Formatter
 from typing import Any, Literal
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
+from flangeway.views import views
 
 # --- US customary units beside the metric ones: of keys such as ``axle_load_kN``, and of texts such as "200 kN".
 #
@@ -353,7 +353,7 @@ class ResultTable:
     def to_dataframe(self) -> Any:
         """Return it as a data frame of pandas; an `InputError` where pandas is not installed."""
         try:
-            pandas = import_module("pandas")
+            import pandas  # noqa: PLC0415 (optional)
         except ModuleNotFoundError as reason:
             raise InputError(
                 "a data frame without pandas", "an installed pandas", "install it, or take to_csv"
@@ -381,7 +381,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         case = getattr(self, "case", None)  # runs of cases show what the command prints
-        shown = import_module("flangeway.report").run_html(self) if case is not None else None
+        shown = views().run_html(self) if case is not None else None
         return shown or f"<p><code>{html.escape(repr(self))}</code></p>{self.table._repr_html_()}"
 
     def to_dataframe(self) -> Any:
@@ -397,7 +397,7 @@ class Result:
 
         - `options`: those of the function that draws it, see `flangeway.report.plot_result`.
         """
-        return import_module("flangeway.report").plot_result(self, **options)
+        return views().plot_result(self, **options)
 
 
 def _flat(

@@ -1,33 +1,81 @@
 """The modules of the package, and what each imports."""
 
 import ast
+import re
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2] / "src" / "flangeway"
+TOP = "flangeway"
+"""Name of the package itself among the modules below it."""
+NAME = re.compile(r"(\.*)([A-Za-z_]\w*(?:\.\w+)*)(?::[\w.]+)?")
+"""A text that may name a module: relative to a package after dots, and with the name of a thing in it after a colon."""
 
 
 def name_of(path: Path) -> str:
     """Dotted name of a module below flangeway; a package's is that of its folder."""
     parts = path.relative_to(PACKAGE).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts) or TOP
 
 
-MODULES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py")) if path != PACKAGE / "__init__.py"}
+FILES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+MODULES = {name: path for name, path in FILES.items() if name != TOP}
 TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
 
 
-def imports_of(name: str) -> set[str]:
-    """Modules and packages below flangeway that a module imports, inside functions and for types too."""
+def module_of(dotted: str) -> str | None:
+    """Module that a dotted name such as ``flangeway.mesh.dual`` loads, of flangeway; None if it is not of flangeway."""
+    words = dotted.split(".")
+    if words[0] != TOP:
+        return None
+    below = [".".join(words[1:end]) for end in range(len(words), 1, -1)]
+    return next((name for name in below if name in {*FILES, "_core"}), TOP)
+
+
+def absolute(dots: str, name: str, package: str) -> str:
+    """Dotted name of what a relative import of a package names; without dots the name as it is."""
+    parents = package.split(".")
+    return ".".join([*parents[: len(parents) + 1 - len(dots)], *([name] if name else [])]) if dots else name
+
+
+def named_in(text: str, package: str) -> str | None:
+    """Module of flangeway that a text such as ``"flangeway.report:plot_result"`` names as a whole.
+
+    The names of packages that the module itself is in do not count: these are loaded before it, and files beside it are
+    read by such names.
+    """
+    match = NAME.fullmatch(text)
+    module = module_of(absolute(match[1], match[2], package)) if match else None
+    inside = f"{package}.".startswith(f"{TOP}.{module}.")
+    return None if module == TOP or inside else module
+
+
+def imports_in(tree: ast.Module, package: str) -> set[str]:
+    """Modules of flangeway that a module of a package imports: inside functions, for types, and by texts.
+
+    - `package`: dotted name of its package, for relative names.
+    """
     found = set()
-    for node in ast.walk(TREES[name]):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            found |= {module_of(alias.name) for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{name}: relative import"
-            for alias in node.names:
-                whole = f"{node.module}.{alias.name}"
-                found.add(whole if whole.removeprefix("flangeway.") in {*MODULES, "_core"} else str(node.module))
-    return {each.removeprefix("flangeway.") for each in found if each.startswith("flangeway.")} - {name}
+            base = absolute("." * node.level, node.module or "", package)
+            found |= {module_of(f"{base}.{alias.name}") for alias in node.names}
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.add(named_in(node.value, package))
+    return found - {None}
 
 
-IMPORTS = {name: imports_of(name) for name in MODULES}
+def imports_of(name: str) -> set[str]:
+    """Modules that a module imports; of a package whose names are loaded when used, those of its stub too."""
+    path = FILES[name]
+    package = f"{TOP}.{name}" if name != TOP else TOP
+    if path.stem != "__init__":
+        package = package.rpartition(".")[0]
+    texts = [path.read_text(encoding="utf-8")]
+    if "lazy_loader" in texts[0]:
+        texts.append(path.with_suffix(".pyi").read_text(encoding="utf-8"))
+    return set().union(*(imports_in(ast.parse(text), package) for text in texts)) - {name}
+
+
+IMPORTS = {name: imports_of(name) for name in FILES}

@@ -1,7 +1,6 @@
 """The SQLite file of a campaign: its rows, their results and its progress; and both as tables."""
 
 import csv
-import importlib
 import json
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping
@@ -528,7 +527,7 @@ def _csv_writer(columns: Mapping[str, Any]) -> Writer:
 
 
 def _parquet_writer(library: Any, columns: Columns) -> Writer:
-    arrow = importlib.import_module("pyarrow")
+    import pyarrow as arrow  # noqa: PLC0415 (optional)
 
     def array(values: list[Value]) -> Any:
         kinds = {type(value) for value in values if value is not None}
