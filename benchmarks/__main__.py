@@ -60,7 +60,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
-CAMPAIGNS = {"polygons", "standing", "sweep", "symmetric"}
+CAMPAIGNS = {"polygons", "pushed", "standing", "sweep", "symmetric"}
 """Many cases that count what converges: most take half an hour or more, and are printed, not recorded."""
 
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {

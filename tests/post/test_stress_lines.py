@@ -223,7 +223,7 @@ def test_a_narrow_patch_far_from_another_one_has_the_stresses_of_both(force_of_o
 def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
     """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre on the right, 634 MPa beside it."""
     case = SpatialWheelsetCase.from_values(
-        {"lateral_mm": 2.0, "size_scale": 6.0, "order": 1, "rail_support": "continuous"}
+        {"lateral_mm": 2.0, "size_scale": 6.0, "order": 1, "rail_support": "continuous", "gauge_at": "narrowest"}
     )
     run = case.run()
     numbers = next(each for each in run.patches if each.patch.side == "right")
