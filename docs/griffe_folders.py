@@ -1,6 +1,5 @@
 """Prepares the package for its reference: each name once, at the module that defines it."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +8,6 @@ import griffe
 
 class Folders(griffe.Extension):
     """Adds folders without ``__init__.py``, which Griffe leaves out, and hides what the others re-export."""
-
-    def on_attribute_instance(self, *, attr: griffe.Attribute, **_: Any) -> None:
-        """Show the numbers of descriptions of inputs, ``{65 mm}``, which `results.sentence` reads, as texts."""
-        if attr.docstring is not None:
-            attr.docstring.value = re.sub(r"\{(\d[^{}]*)\}", r"\1", attr.docstring.value)
 
     def on_package(self, *, pkg: griffe.Module, loader: griffe.GriffeLoader, **_: Any) -> None:
         """Change the package once it is loaded."""

@@ -36,8 +36,7 @@ def short(value: object) -> str:
 
 def _cut(part: str) -> str:
     """A part of a message, cut where what a user wrote is longer than one reads: words, quoted texts, and the whole."""
-    if _LONG.search(part):  # else the part keeps the numbers of its units
-        part = _LONG.sub(lambda long: f"{long[0][: MAX_LETTERS_OF_WORD - 3]}...", part)
+    part = _LONG.sub(lambda long: f"{long[0][: MAX_LETTERS_OF_WORD - 3]}...", part)
     return part if len(part) <= MAX_LETTERS_OF_PART else f"{part[: MAX_LETTERS_OF_PART - 3]}..."
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from flangeway.results import ResultTable, Units, UsUnit, us_unit
+from flangeway.results import ResultTable
+from flangeway.units import Units, UsUnit, us_unit
 
 T_contra = TypeVar("T_contra", contravariant=True)
 """Kind of object that has the quantity; what has a quantity of a kind has it as one of a narrower kind."""

@@ -11,6 +11,7 @@ ORDER = (
     "errors",
     "types",
     "checks",
+    "units",
     "views",
     "results",
     "quantities",

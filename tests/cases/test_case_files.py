@@ -14,9 +14,9 @@ from flangeway.cases import CASES, load_case, schema, write_template
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case
 from flangeway.errors import InputError
-from flangeway.results import us_key
 from flangeway.system.file_content import file_content
 from flangeway.system.output_folder import refuse_unwritable
+from flangeway.units import us_key
 
 COARSE = {
     "wheelset": {"size_scale": 8.0, "order": 1, "rail_support": "fixed", "patch_cells": 10},

@@ -15,9 +15,9 @@ from pydantic import Field, create_model
 from flangeway.cases.case import GivenText, RunnableCase, Table, require_known
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
-from flangeway.results import Units, us_key
 from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
 from flangeway.system.output_folder import versions
+from flangeway.units import Units, us_key
 
 # --- Values of the inputs that vary: lists, ranges, and tables in CSV.
 
@@ -341,9 +341,7 @@ class _CampaignText(TomlFile):
             rows.append(Row(number, {key: _read(row_case, key, value) for key, value in values.items()}, row_case))
         self._check(rows)
         kind = type(rows[0].case)
-        with rows[0].case.errors_as_written():
-            columns = self._columns(kind, rows, tables.results.columns)
-        return Campaign(self.file.stem, kind, keys, tuple(rows), columns)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, rows, tables.results.columns))
 
     def _case_name(self, name: str) -> str:
         if name not in CASE_FILES and (is_case_file(name) or is_case_file(self.file.parent / name)):
@@ -395,7 +393,7 @@ class _CampaignText(TomlFile):
         seen: set[str] = set()
         for row in rows:
             given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
-            with located(f"{self.file}, row {row.number} ({given}): "), row.case.errors_as_written():
+            with located(f"{self.file}, row {row.number} ({given}): "):
                 if row.bodies not in seen:
                     row.case.check()
                 else:

@@ -15,7 +15,6 @@ from flangeway.campaign.database import WAITING, CampaignDatabase, RowResult, ro
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import MAX_PREPARED
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError, unforeseen
-from flangeway.results import joined_text, with_texts
 from flangeway.system.disk_cache import LatestValues
 from flangeway.system.output_folder import versions
 from flangeway.system.workers import ClusterWorkers, LocalWorkers, Workers, computed, n_processes
@@ -75,7 +74,7 @@ def _result(case: RunnableCase, first: Row | None) -> RowResult:
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
     lines = reason.lines if isinstance(reason, InputError) else str(reason).splitlines()
-    reported = with_texts(joined_text("\n", lines), lambda text: re.sub(r"\s*\n\s*", "; ", text))
+    reported = re.sub(r"\s*\n\s*", "; ", "\n".join(lines))
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 

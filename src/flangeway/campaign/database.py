@@ -18,11 +18,12 @@ from flangeway.cases.case_file import hash_of
 from flangeway.cases.summary import RunResult, plain_numbers
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
-from flangeway.results import Result, ResultTable, Units, in_us_units
+from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file, optional_module
 from flangeway.system.output_folder import Writer, versions
 from flangeway.types import Floats
+from flangeway.units import Units
 
 # --- A row of a campaign: how it ended, and its numbers by columns.
 
@@ -84,7 +85,6 @@ CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE rows ("row" INTEGER PRIMARY KEY, identity TEXT NOT NULL UNIQUE, status TEXT NOT NULL,
                    message TEXT, warnings TEXT, checksum TEXT);
 CREATE TABLE patches ({patches}, PRIMARY KEY ("row", side, number));
-CREATE TABLE sentences (text TEXT PRIMARY KEY, us TEXT NOT NULL);
 CREATE TABLE timings ("row" INTEGER PRIMARY KEY, seconds REAL NOT NULL, finished TEXT NOT NULL);
 """
 
@@ -183,8 +183,6 @@ class CampaignDatabase:
         )
         if changed.rowcount != 1:
             return False
-        sentences = {text: in_us_units(text) for text in (result.message, *result.warnings)}
-        self._connection.executemany("INSERT OR IGNORE INTO sentences VALUES (?, ?)", sentences.items())
         for patch in result.patches:
             cells = {"row": row.number, **patch}
             self._connection.execute(f"INSERT INTO patches {_of_columns(cells)}", tuple(cells.values()))
@@ -350,8 +348,6 @@ class CampaignTable(Result):
         where there is none.
     patches
         Column by column, one entry a region of contact, numbered on each side from the field to the gauge.
-    us_sentences
-        Messages and warnings in US units by the metric ones.
     """
 
     name: str
@@ -360,7 +356,6 @@ class CampaignTable(Result):
     inputs: dict[str, Any]
     rows: Columns
     patches: Columns
-    us_sentences: dict[str, str]
 
     @property
     def table(self) -> ResultTable:
@@ -421,9 +416,6 @@ def results(database: str | Path) -> CampaignTable:
             wanted = _wanted(_names(connection, "rows"), keys, json.loads(facts["columns"]))
             rows = _columns(connection, "rows", wanted, '"row"')
             patches = _columns(connection, "patches", _names(connection, "patches"), '"row", side, number')
-            # files of earlier versions have none
-            query = "SELECT text, us FROM sentences" if _names(connection, "sentences") else "SELECT '', ''"
-            sentences = dict(connection.execute(query))
             damaged = _checksums(connection, damaged=True)
     except (sqlite3.Error, KeyError, ValueError) as reason:
         raise unusable(path, reason) from reason
@@ -433,7 +425,7 @@ def results(database: str | Path) -> CampaignTable:
             "the file as a campaign wrote it",
             "run the campaign again: it computes these rows anew",
         )
-    return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches, sentences)
+    return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches)
 
 
 def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
@@ -484,14 +476,13 @@ def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
 
     - `kind`: ``"csv"`` or ``"parquet"``, which is metric.
-    - `units`: units of CSV files, those of sentences of the program too.
+    - `units`: units of the numbers of CSV files.
     """
     refuse_format(kind)
     tables = {"results": table.rows, "patches": table.patches}
     if kind == "csv":
         return {
-            f"{name}.csv": _csv_writer(_in_units(columns, units, table.us_sentences))
-            for name, columns in tables.items()
+            f"{name}.csv": _csv_writer(ResultTable(columns).in_units(units).columns) for name, columns in tables.items()
         }
     library = _parquet()
     return {f"{name}.parquet": _parquet_writer(library, columns) for name, columns in tables.items()}
@@ -503,17 +494,6 @@ def refuse_format(kind: str) -> None:
         raise InputError(f"format {kind!r}", " or ".join(FORMATS), "choose one of these")
     if kind == "parquet":
         _parquet()
-
-
-def _in_units(columns: Columns, units: Units, us_sentences: Mapping[str, str]) -> Mapping[str, Any]:
-    converted = dict(ResultTable(columns).in_units(units).columns)
-    if units == "us" and "message" in columns:
-        converted["message"] = [us_sentences.get(str(text), text) for text in columns["message"]]
-        converted["warnings"] = [
-            text and json.dumps([us_sentences.get(part, part) for part in json.loads(str(text))], ensure_ascii=False)
-            for text in columns["warnings"]
-        ]
-    return converted
 
 
 def _csv_writer(columns: Mapping[str, Any]) -> Writer:

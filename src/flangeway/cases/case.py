@@ -7,8 +7,8 @@ import math
 import sys
 from abc import abstractmethod
 from collections import ChainMap
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -17,25 +17,15 @@ from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias, Union, cast, get_args, get_origin
 
 import annotated_types as at
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, ValidationInfo, model_validator
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.summary import RunResult, mapped, summary_numbers
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
-from flangeway.results import (
-    Message,
-    Units,
-    UsUnit,
-    assigned,
-    in_us_units,
-    joined_text,
-    same_quantity,
-    sentence,
-    us_key,
-)
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key, Progress
+from flangeway.units import Units, UsUnit, same_quantity, us_key
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
@@ -78,11 +68,6 @@ InputRow: TypeAlias = tuple[str, str, str, str]
 """Key, default, what is allowed, and meaning of an input."""
 
 
-def described_by(text: str) -> str:
-    """Return the description of an input in one line, its numbers in braces, ``{65 mm}``, those of a `sentence`."""
-    return text if isinstance(text, Message) else sentence(" ".join(text.split()))
-
-
 class GivenText(str):
     """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
 
@@ -115,7 +100,7 @@ class Table(BaseModel):
 
     @classmethod
     def described_fields(cls) -> dict[str, FieldInfo]:
-        """Return the inputs with their descriptions, `described_by` what stands below them in the source.
+        """Return the inputs with their descriptions, in one line what stands below them in the source.
 
         They are read when they are first shown: pydantic's ``use_attribute_docstrings`` takes longer for all cases than
         a short run.
@@ -123,10 +108,8 @@ class Table(BaseModel):
         below = ChainMap(*(_texts_below(kind.__module__).get(kind.__name__, {}) for kind in cls.__mro__))
         for key, field in cls.model_fields.items():
             text = field.description or below.get(key)
-            field.description = described_by(text) if text else None
+            field.description = " ".join(text.split()) if text else None
         return cls.model_fields
-
-    _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
@@ -153,21 +136,15 @@ class Table(BaseModel):
                 )
 
         mapped(values, refuse_huge)
-        in_us_units: set[str] = set()
         try:
-            case = cls.model_validate(values, context=in_us_units)
+            return cls.model_validate(values)
         except ValidationError as reason:
             raise _input_error(cls, reason, values, where) from None
-        case._us_keys |= in_us_units
-        return case
 
     @model_validator(mode="before")
     @classmethod
-    def _typed(cls, values: Any, info: ValidationInfo) -> Any:
-        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones.
-
-        The context receives the inputs that were given in US units, those of inner tables too.
-        """
+    def _typed(cls, values: Any) -> Any:
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
         if not isinstance(values, Mapping):
             return values
         metric: dict[str, Any] = {}
@@ -178,8 +155,6 @@ class Table(BaseModel):
                 continue
             read = _typed(value, cls.model_fields[name].annotation)
             metric[name] = unit.to_metric(read) if unit else read
-            if unit and info.context is not None:
-                info.context.add(name)
         return metric
 
     @classmethod
@@ -205,15 +180,14 @@ class Table(BaseModel):
         """
         rows, inner = [], []
         for key, field in cls.described_fields().items():
-            unit, meaning = us_key(key) if units == "us" else None, field.description or ""
+            unit = us_key(key) if units == "us" else None
             default = "needed" if field.is_required() else _default_text(field, unit)
             kind = table_in(field.annotation)
             if kind is not None:
                 several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
                 inner += kind.tables_of_inputs(units, f"{path}{key}{several}.")
                 default = default if field.is_required() else "none"
-            name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
-            rows.append((name, default, allowed(field, unit), meaning))
+            rows.append((unit.name if unit else key, default, allowed(field, unit), field.description or ""))
         return [(path.rstrip("."), rows), *inner]
 
     def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
@@ -223,9 +197,8 @@ class Table(BaseModel):
         """
         for name in keys:
             if getattr(self, name) != type(self).model_fields[name].default:
-                given = assigned(f"{within}{name}", getattr(self, name)), assigned(key, getattr(self, key))
                 raise InputError(
-                    joined_text(" with ", given),
+                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
                     f"{name} with {key} = {wanted}",
                     f"leave {name} out, or give {key} = {wanted}",
                 )
@@ -237,7 +210,7 @@ class Case(Table):
     name: ClassVar[str]
     title: ClassVar[str]
     units: Units = "metric"
-    """units of results and messages; an input has the unit at the end of its key"""
+    """units of numbers in results; an input has the unit at the end of its key"""
     report_title: str | None = Field(None, max_length=200)
     """title of the report (default: that of the case)"""
     project: str | None = Field(None, max_length=200)
@@ -254,19 +227,6 @@ class Case(Table):
     def called(cls) -> str:
         """See `Table.called`."""
         return cls.name
-
-    def as_written(self, message: str) -> str:
-        """Return a message with the inputs that were given in US units in them, or all of it if results are to be."""
-        return in_us_units(message, None if self.units == "us" else self._us_keys)
-
-    @contextmanager
-    def errors_as_written(self, location: Callable[[str], str] = lambda _: "") -> Iterator[None]:
-        """Raise errors with all parts `as_written`, after the place that a function finds for what was given."""
-        try:
-            yield
-        except InputError as reason:
-            given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
-            raise InputError(f"{location(given)}{given}", allowed, advice) from reason
 
 
 def example_of(name: str) -> dict[str, Any]:
@@ -534,8 +494,7 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
-    described = field.description or ""
-    meaning = in_us_units(described) if unit else described
+    meaning = field.description or ""
     if field.is_required():
         return f"give {key}: {meaning}".removesuffix(": ")
     return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})".removesuffix(" ()")

@@ -32,10 +32,10 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, located, short
 from flangeway.railway.profiles.formats.slice_files import files_of
-from flangeway.results import Units, UsUnit, in_us_units, us_key
 from flangeway.system.file_content import TomlFile, TomlKind, is_file
 from flangeway.system.output_folder import versions
 from flangeway.types import Key
+from flangeway.units import Units, UsUnit, us_key
 
 # --- The cases by name, and in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys.
 
@@ -176,8 +176,11 @@ def _refuse_other_file(file: Path) -> None:
 
 def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     """Raise `InputError` for what is wrong beyond single values; the message names the file, if one is given."""
-    with case.errors_as_written(lambda given: "" if file is None else _text_of(file).place(_key_in(given))):
+    try:
         case.check()
+    except InputError as reason:
+        location = "" if file is None else _text_of(file).place(_key_in(reason.given))
+        raise InputError(location + reason.given, reason.allowed, reason.advice) from reason
 
 
 def _key_in(message: str) -> Key:
@@ -438,9 +441,8 @@ def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units:
 def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool) -> list[str]:
     """Comment and line of a key."""
     unit = us_key(key) if units == "us" else None
-    meaning = in_us_units(field.description or "") if units == "us" else field.description
     lines = textwrap.wrap(
-        f"{meaning} ({allowed(field, unit)})",
+        f"{field.description} ({allowed(field, unit)})",
         WIDTH,
         initial_indent="# ",
         subsequent_indent="# ",
@@ -558,7 +560,7 @@ def _in_us(described: Any, unit: UsUnit) -> Any:
     if not isinstance(described, dict):
         return described
     return {
-        key: unit.of(value) if key in _BOUNDS else in_us_units(value) if key == "description" else _in_us(value, unit)
+        key: unit.of(value) if key in _BOUNDS else _in_us(value, unit)
         for key, value in described.items()
         if key not in ("default", "title")
     }

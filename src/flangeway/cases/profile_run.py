@@ -39,7 +39,7 @@ from flangeway.railway.profiles.profile_file import (
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadiusDifference
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve
-from flangeway.results import Result, ResultTable, joined_text, sentence
+from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.operating_system import number_of_cores
 from flangeway.system.output_folder import versions
@@ -144,7 +144,7 @@ def _worn_more_at(run: ProfileRun) -> str | None:
     face, side = only_face(points), worn_side(points)
     if face is not None:
         return f"not seen: only the face of the {face} is measured"
-    return "neither" if side is None else sentence("{}, by {:.2f mm} ({})", side.name, side.more_mm, side.measure)
+    return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
 
 
 MEASURES: Quantities[ProfileRun] = tuple(
@@ -235,7 +235,7 @@ def _as_cases_see_it(profile: MeasuredProfile, name: str) -> tuple[str, ...]:
         body = with_body(profile, name, profile.kind)
         RigidCurve.from_contour(body.running_surface)
     except InputError as reason:
-        return (sentence("Cases refuse it: {}; allowed is {}; {}.", reason.given, reason.allowed, reason.advice),)
+        return (f"Cases refuse it: {reason.given}; allowed is {reason.allowed}; {reason.advice}.",)
     return tuple(notice for notice in body.notices if notice.startswith(("Beyond", "What lies below")))
 
 
@@ -389,7 +389,7 @@ FOLDER_QUANTITIES: Quantities[FolderProfile] = (
         for words in WEAR.values()
         for key, label in words.items()
     ),
-    Quantity("conicity", sentence("conicity at {:g mm}", REFERENCE_AMPLITUDE_MM), "conicity", form=".3f"),
+    Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", "conicity", form=".3f"),
 )
 """What is reported of each profile."""
 
@@ -415,7 +415,7 @@ def run_folder(
         if isinstance(outcome, FolderProfile):
             profiles.append(outcome)
         else:
-            refused.append(sentence("{}; allowed is {}", outcome.given, outcome.allowed))
+            refused.append(f"{outcome.given}; allowed is {outcome.allowed}")
     if not profiles:
         raise InputError(
             f"folder {folder} with {len(files)} files of profiles, none of which can be read",
@@ -470,7 +470,7 @@ def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
     try:
         return FolderProfile(run, file.name, nominal, wear, _conicity(run, partner))
     except InputError as reason:
-        notice = sentence("No conicity on {}: {}.", partner, reason.given)
+        notice = f"No conicity on {partner}: {reason.given}."
         return FolderProfile(run, file.name, nominal, wear, None, notice)
 
 
@@ -497,8 +497,8 @@ def _conicity(run: ProfileRun, partner: str) -> float:
     conicity = (conicities.at_reference or {}).get("integration", math.nan)
     if math.isnan(conicity):
         raise InputError(
-            joined_text("; ", conicities.notices),
-            sentence("an amplitude of {:g mm}", REFERENCE_AMPLITUDE_MM),
+            "; ".join(conicities.notices),
+            f"an amplitude of {REFERENCE_AMPLITUDE_MM:g} mm",
             "look at the profile alone",
         )
     return conicity

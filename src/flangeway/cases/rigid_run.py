@@ -39,7 +39,7 @@ from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, Ri
 from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
 from flangeway.railway.wheelset.spatial_result import BESIDE_MM
-from flangeway.results import Result, ResultTable, assigned, joined_text, sentence
+from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.output_folder import versions
@@ -85,7 +85,7 @@ def _main_inputs() -> dict[str, Any]:
 
 _FILE = Path(__file__).with_name("geometry_cases.toml")
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
-    name: (sentence(inputs.pop("title")), inputs | (_main_inputs() if name == SpatialWheelsetCase.name else {}))
+    name: (inputs.pop("title"), inputs | (_main_inputs() if name == SpatialWheelsetCase.name else {}))
     for name, inputs in toml_data(_FILE.read_text(encoding="utf-8"), "").items()
 }
 """Title and inputs that differ from the defaults, by name."""
@@ -198,18 +198,13 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     notices = []
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
     if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
-        notices.append(sentence("conicity only up to an amplitude of {:.1f mm}", reached))
+        notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
     integration = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
     pushed = amplitudes[np.isnan(integration)]
     if len(pushed):
         notices.append(
-            sentence(
-                "no equivalent conicity by integration at {} amplitudes from {:.1f (mm)} to "
-                "{:.1f mm}: the rolling radius difference pushes the wheelset away from the middle",
-                len(pushed),
-                pushed[0],
-                pushed[-1],
-            )
+            f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
+            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
     return Conicities(amplitudes, integration, regression, tuple(notices))
@@ -304,7 +299,7 @@ POSITION_QUANTITIES: Quantities[RigidPosition] = (
 CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
-        sentence("equivalent conicity at {:g mm}", REFERENCE_AMPLITUDE_MM),
+        f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
         "conicities.at_reference.integration",
         form=".4f",
     ),
@@ -377,13 +372,9 @@ def run_geometry(
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
         ends = map(geometry.path_end, SIDES if case.roll == "free" else ())
         remarks.append(
-            sentence(
-                "the scan of {:g mm} stops at lateral displacements of {:.2f (mm)} and {:.2f mm}: beyond, {}",
-                case.maximum_lateral_mm,
-                locus.lateral_mm[0],
-                locus.lateral_mm[-1],
-                "; ".join(dict.fromkeys(ends)) or "a running surface ends",
-            )
+            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of "
+            f"{locus.lateral_mm[0]:.2f} and {locus.lateral_mm[-1]:.2f} mm: beyond, "
+            f"{'; '.join(dict.fromkeys(ends)) or 'a running surface ends'}"
         )
     progress("locating contact jumps")
     jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
@@ -442,10 +433,9 @@ def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: T
         return []
     others = (other for other in equilibrium.positions if other is not position)
     texts = (
-        sentence("{:.2f mm} ({})", other.motion.lateral_mm + 0.0, "stable" if other.stable else "not stable")
-        for other in others
+        f"{other.motion.lateral_mm + 0.0:.2f} mm ({'stable' if other.stable else 'not stable'})" for other in others
     )
-    return ["the wheelset stands beside the middle, though both sides are alike: " + joined_text(", ", texts)]
+    return ["the wheelset stands beside the middle, though both sides are alike: " + ", ".join(texts)]
 
 
 def _loaded_contacts(
@@ -469,5 +459,5 @@ def _title(name: str, case: GeometryCase) -> str:
         return name
     title, changes = GEOMETRY_CASES[name]
     usual = GeometryCase.from_values(changes).model_dump()
-    changed = [assigned(key, value) for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
-    return title + "; changed: " + joined_text(", ", changed) if changed else title
+    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
+    return title + "; changed: " + ", ".join(changed) if changed else title

@@ -41,7 +41,6 @@ from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints, Progress
@@ -91,9 +90,9 @@ def _on_grid(path: Path, name: str, values: Floats) -> tuple[Ints, Floats]:
 
 
 def _uneven(path: Path, name: str, different: Floats) -> InputError:
-    steps = sentence(" in steps from {:g mm}", np.diff(different).min()) if len(different) > 1 else ""
+    steps = f" in steps from {np.diff(different).min():g} mm" if len(different) > 1 else ""
     return InputError(
-        sentence("{}: {} different {}{}", path, len(different), name, steps),
+        f"{path}: {len(different)} different {name}{steps}",
         f"places on a regular grid of 2 to {MAX_CELLS} cells",
         "interpolate them to even cells",
     )

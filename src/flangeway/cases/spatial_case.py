@@ -33,7 +33,6 @@ from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache
@@ -383,7 +382,7 @@ def _crowned(name: str, width: float, height: float, radius: float, *, up: bool)
     half, sign = width / 2.0, 1.0 if up else -1.0
     if radius < 0.51 * width:
         raise InputError(
-            sentence("a crown radius of {:g mm} on a width of {:g mm}", radius, width),
+            f"a crown radius of {radius:g} mm on a width of {width:g} mm",
             "more than half the width",
             "make it larger",
         )
@@ -464,8 +463,8 @@ class RollerCase(SpatialPreset):
         """
         if self.race == "outer" and self.race_radius_mm <= self.roller_radius_mm:
             raise InputError(
-                sentence("{race_radius_mm = :g} of an outer race", self.race_radius_mm),
-                sentence("more than {roller_radius_mm = :g}", self.roller_radius_mm),
+                f"race_radius_mm = {self.race_radius_mm:g} of an outer race",
+                f"more than roller_radius_mm = {self.roller_radius_mm:g}",
                 "make the race larger",
             )
         ring = _flat("race", self.roller_length_mm, self.ring_mm, up=True)

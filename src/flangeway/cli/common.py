@@ -23,7 +23,7 @@ from flangeway.system.workbook import spreadsheet_library
 if TYPE_CHECKING:
     from flangeway.cases.case import Case
     from flangeway.report.page.record import Record
-    from flangeway.results import Units as UnitSystem
+    from flangeway.units import Units as UnitSystem
 
 STARTED_S = time.perf_counter()
 Progress = Callable[[str], None]

@@ -105,8 +105,7 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         }
         inputs = _case(case, set_, **named, crown_radius_in=crown_radius, units=show.units)
         show.units = inputs.units
-        with inputs.errors_as_written():
-            return work(case, inputs, out, show)
+        return work(case, inputs, out, show)
 
     return work
 

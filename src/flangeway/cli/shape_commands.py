@@ -104,8 +104,7 @@ def geometry(
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
-        with inputs.errors_as_written():
-            inputs.load()
+        inputs.load()
         show.units = show.units or inputs.units
         records.append((inputs, notices))
     many = len(records) > 1
@@ -113,8 +112,7 @@ def geometry(
     runs = []
     with show.progress() as progress:
         for inputs, notices in records:
-            with inputs.errors_as_written():
-                runs.append(run_geometry(name, inputs, progress, notices))
+            runs.append(run_geometry(name, inputs, progress, notices))
     command = command_typed()
     record = geometries_record(runs, command) if many else geometry_record(runs[0], command)
     return show.record(record, folder)

@@ -15,7 +15,6 @@ from flangeway.geometry.arrays import Point, cross_product, norms, point_text, s
 from flangeway.geometry.outline import JOINT_TOLERANCE, Outline, _joined
 from flangeway.geometry.region import Section, nested_regions
 from flangeway.geometry.segments import Segment, segment_of
-from flangeway.results import sentence
 from flangeway.system.file_content import csv_cells, csv_separator
 
 # --- A section as a file or a catalogue gives it, and closed outlines from what it draws: small faults are repaired.
@@ -42,7 +41,7 @@ class PartMaterial:
     def __post_init__(self) -> None:
         """Check the ranges."""
         if not (is_finite(self.young_MPa) and self.young_MPa > 0.0):
-            raise InputError(sentence("{young_MPa = }", short(self.young_MPa)), "a positive number", "correct it")
+            raise InputError(f"young_MPa = {short(self.young_MPa)}", "a positive number", "correct it")
         if not (is_finite(self.poisson) and -1.0 < self.poisson < 0.5):
             raise InputError(f"poisson = {short(self.poisson)}", "a number above -1 and below 0.5", "correct it")
 

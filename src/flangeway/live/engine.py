@@ -33,9 +33,9 @@ from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import command_line, report_page
 from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
 from flangeway.report.wheelset.wheelset_patches import patch_map
-from flangeway.results import Units, us_unit, with_texts
 from flangeway.system.disk_cache import LatestValues
 from flangeway.types import Floats, Progress, floats
+from flangeway.units import Units, us_unit
 
 T = TypeVar("T")
 
@@ -124,7 +124,7 @@ class LiveEngine:
         except InputError as reason:
             if content:
                 shutil.rmtree(path.parent)
-            given = with_texts(reason.given, lambda text: text.replace(f"{path.parent}{os.sep}", ""))
+            given = reason.given.replace(f"{path.parent}{os.sep}", "")
             raise InputError(given, reason.allowed, reason.advice) from reason
         self.files[base] = path
         surface = measured.surface.sampled(max_deviation=OUTLINE_MM)
@@ -165,8 +165,8 @@ class LiveEngine:
         result, table = run.space, results_table(run)
         return {
             "converged": result.status.converged,
-            "message": run.case.as_written(result.status.message),
-            "warnings": [*map(run.case.as_written, result.warnings)],
+            "message": result.status.message,
+            "warnings": list(result.warnings),
             "facts": wheelset_facts(run),
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),

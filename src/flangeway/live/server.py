@@ -25,7 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from flangeway.errors import FlangewayError, InputError
 from flangeway.live.engine import MAX_FILE_BYTES, LiveEngine, SupersededError
-from flangeway.results import Units
+from flangeway.units import Units
 
 HOST = "127.0.0.1"
 TOKEN_BYTES = 24

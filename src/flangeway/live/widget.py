@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flangeway.live.server import NOTEBOOKS, LiveServer
-from flangeway.results import Units
+from flangeway.units import Units
 
 HEIGHT_PX = 900
 

@@ -11,7 +11,7 @@ from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.problems.elasticity_problem import ON_AXIS
-from flangeway.results import Result, ResultTable, sentence
+from flangeway.results import Result, ResultTable
 from flangeway.space.symmetric import EPS
 from flangeway.types import Floats, Ints
 
@@ -503,43 +503,29 @@ def check_contact(
     solved = system.solved(state.linearisation, state.forces)
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
         if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
-            errors.append(sentence("{} pulls with {:.3g N} at a node, which contact cannot", name, -forces.min()))
+            errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         own_patches = [patch for patch in patches if patch.contact == number]
         depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))
         sinking = max((_sinking(contact, patch) for patch in own_patches), default=np.inf)
         if depth > SMALL_PENETRATION * sinking:
-            too_soft = sentence(
-                "the penetration of {}, {:.1e mm}, is {:.0f} % of what the surfaces sink; {}",
-                name,
-                depth,
-                100.0 * depth / sinking,
-                stiffer,
+            too_soft = (
+                f"the penetration of {name}, {depth:.1e} mm, is {100.0 * depth / sinking:.0f} % of what the "
+                f"surfaces sink; {stiffer}"
             )
             (errors if depth > MAX_PENETRATION * sinking else warnings).append(too_soft)
         facets = _facet_depth(contact, pairs, np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None
             warnings.append(
-                sentence(
-                    "straight edges in {} are up to {:.1e mm} off the smooth curves they approximate, "
-                    "{:.0f} % of what the surfaces sink, which makes its pressures wrong; "
-                    "{}{}",
-                    name,
-                    facets,
-                    100.0 * facets / sinking,
-                    "" if drawn else "give its surfaces their drawn curves (curved), or ",
-                    finer,
-                )
+                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they approximate, "
+                f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
+                f"{'' if drawn else 'give its surfaces their drawn curves (curved), or '}{finer}"
             )
         corners = dict.fromkeys(patch.corner for patch in own_patches if patch.corner)
         warnings += [
-            sentence(
-                "the maximum pressure of {} is at a sharp corner, at ({:.4g (mm)}, {:.4g (mm)}), where it has no "
-                "limit: it grows with finer elements; round the corner off for a maximum",
-                name,
-                *corner,
-            )
-            for corner in corners
+            f"the maximum pressure of {name} is at a sharp corner, at ({x:.4g}, {y:.4g}), where it has no limit: it "
+            "grows with finer elements; round the corner off for a maximum"
+            for x, y in corners
         ]
         for patch in own_patches:
             warnings += roughness(patch.n_segments, patch.oscillation, name, finer)

@@ -26,7 +26,6 @@ from flangeway.elements import Element, Lagrange
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import extent
 from flangeway.materials import Elastic, Material
-from flangeway.quantities import measured
 from flangeway.report.figures.display import write_collection, write_contacts
 from flangeway.report.figures.drawing import (
     GREY,
@@ -191,17 +190,16 @@ def _element_words(space: Space) -> str:
 
 
 def _assumptions(run: BodiesRun) -> list[str]:
-    problems, units = [body.field.problem for body in run.bodies.values()], run.case.units
+    problems = [body.field.problem for body in run.bodies.values()]
     materials: dict[Material, None] = dict.fromkeys(material for problem in problems for material in problem.materials)
     thicknesses = sorted({problem.thickness for problem in problems})
     sentences = [
         *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
-        f"Thickness {', '.join(measured(thickness, 'mm', units) for thickness in thicknesses)}: forces refer to this "
-        "length out of the plane.",
+        f"Thickness {', '.join(f'{thickness:.4g}' for thickness in thicknesses)} mm: forces refer to this length out "
+        "of the plane.",
         *(
-            f"Linear elastic, isotropic: Young's modulus {measured(material.young, 'MPa', units, '.6g')}, "
-            f"Poisson's ratio {material.poisson:g}; no "
-            "yielding, however high the stress."
+            f"Linear elastic, isotropic: Young's modulus {material.young:.6g} MPa, Poisson's ratio "
+            f"{material.poisson:g}; no yielding, however high the stress."
             for material in materials
             if isinstance(material, Elastic)
         ),

@@ -26,8 +26,8 @@ from flangeway.report.figures.drawing import (
     panels,
 )
 from flangeway.report.page.record import Figures
-from flangeway.results import Units
 from flangeway.types import Bools, Floats
+from flangeway.units import Units
 
 LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
     *("contact-locus.png", "max-pressure-map.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"),

@@ -16,8 +16,8 @@ from flangeway.report.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.html_page import input_rows
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable
-from flangeway.results import Units
 from flangeway.system.output_folder import versions, write_together
+from flangeway.units import Units
 
 DATABASE = "campaign.sqlite"
 MAX_REASONS, MAX_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
@@ -91,7 +91,7 @@ def campaign_record(
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
         units=units,
-        warnings=_warnings(failures, warned, table.us_sentences if units == "us" else {}),
+        warnings=_warnings(failures, warned),
         pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()],
         tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MAX_REASONS:])]
         if len(ranges) > MAX_REASONS
@@ -109,16 +109,10 @@ def campaign_record(
     )
 
 
-def _warnings(
-    failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int], other: Mapping[str, str]
-) -> list[str]:
-    """Sentences on the most frequent reasons of failures and warnings, and how many others there are.
-
-    - `other`: sentences in the units of the record by the metric ones, where they are others.
-    """
+def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int]) -> list[str]:
+    """Sentences on the most frequent reasons of failures and warnings, and how many others there are."""
     warnings = [
-        f"{len(rows)} {status}: {other.get(message, message)}; rows {_numbers(rows)}"
-        for (status, message), rows in failures[:MAX_REASONS]
+        f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MAX_REASONS]
     ]
     if len(failures) > MAX_REASONS:
         warnings.append(f"{len(failures) - MAX_REASONS} other reasons: column message of results.csv")
@@ -129,7 +123,7 @@ def _warnings(
     for kind in kinds[:MAX_WARNINGS]:
         n = sum(count for _, count in kind)
         numbers = ", numbers of the first" * (len(kind) > 1)
-        warnings.append(f"in {n} row{'s' * (n != 1)}{numbers}: {other.get(kind[0][0], kind[0][0])}")
+        warnings.append(f"in {n} row{'s' * (n != 1)}{numbers}: {kind[0][0]}")
     if len(kinds) > MAX_WARNINGS:
         warnings.append(f"{len(kinds) - MAX_WARNINGS} others: column warnings of results.csv")
     return warnings

@@ -10,11 +10,11 @@ from flangeway.quantities import Quantities, Quantity, measured
 from flangeway.report.figures.drawing import name_axes, panels, sequence_colours
 from flangeway.report.page.html_page import inputs_tables
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_of
-from flangeway.results import Units
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
 from flangeway.tables.creep_table import AXES, SATURATED, within_cone
 from flangeway.tables.table_outputs import FORCES, PATCHES, README, TABLE
+from flangeway.units import Units
 
 FRICTION, MAX_PERCENT, MAX_CURVES = 0.3, 1.0, 5
 """Coefficient of friction, creepage at the end and number of lateral positions in the picture."""

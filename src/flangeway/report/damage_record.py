@@ -16,8 +16,9 @@ from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, named, new_figure
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
-from flangeway.results import ResultTable, Units, joined_text, sentence, with_unit
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
+from flangeway.units import Units
 
 # --- What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits.
 
@@ -51,8 +52,8 @@ def damage_record(
     evolution, last, unit = inputs.evolution, steps[-1], inputs.evolution.unit
     unconverged = [text for step in steps for text in step.unconverged]
     positions = limit_positions(steps, evolution.settings.limits)
-    limits = [sentence("{} after {}", name, with_unit(position, unit, ".6g")) for name, position in positions.items()]
-    ended = "limit " + joined_text(", ", limits) if limits else "the end"
+    limits = [f"{name} after {position:.6g} {unit}" for name, position in positions.items()]
+    ended = "limit " + ", ".join(limits) if limits else "the end"
     rows = numbers_over_distance(evolution, steps)
     row = rows[-1]
     facts = [(measured(position, unit, units, ".6g"), f"to the limit {name}") for name, position in positions.items()]
@@ -69,7 +70,7 @@ def damage_record(
         title=f"{inputs.name}: profiles over {unit}",
         subtitle=f"{len(evolution.collective.states)} states, {len(steps) - 1} steps",
         converged=not unconverged,
-        message=sentence("{}; {} in {} steps", ended, with_unit(last.position, unit, ".6g"), len(steps) - 1),
+        message=f"{ended}; {last.position:.6g} {unit} in {len(steps) - 1} steps",
         success="done",
         facts=facts,
         results=table_across(
@@ -128,7 +129,7 @@ def _whose(evolution: Evolution, role: str, side: str) -> str:
 
 def _assumptions(inputs: DamageInputs) -> list[str]:
     evolution, settings = inputs.evolution, inputs.evolution.settings
-    assumptions = [sentence("Wear of the {}: {}.", role, law.name) for role, law in evolution.laws.items()]
+    assumptions = [f"Wear of the {role}: {law.name}." for role, law in evolution.laws.items()]
     if inputs.collective:
         assumptions.insert(
             0,
@@ -138,12 +139,10 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
     assumptions += [
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
-        sentence(
-            "Increments of the depth are filtered by a Gaussian of {:g mm}; a step is "
-            "{:g mm} deep at most, with an estimated error of {:g mm} at most.",
-            settings.filter_mm,
-            settings.max_depth_mm,
-            settings.max_error_mm,
+        (
+            f"Increments of the depth are filtered by a Gaussian of {settings.filter_mm:g} mm; a step is "
+            f"{settings.max_depth_mm:g} mm deep at most, with an estimated error of {settings.max_error_mm:g} mm "
+            "at most."
         ),
         "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
     ]

@@ -37,8 +37,8 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.report.viewer import ShownField
-from flangeway.results import Units
 from flangeway.types import Bools, Floats, Ints
+from flangeway.units import Units
 
 # --- Patches on the cells of a surface: pressures from above, along both axes, stresses below; the surface as a mesh.
 

@@ -36,9 +36,9 @@ from flangeway.report.figures.drawing import (
     units_of,
 )
 from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
-from flangeway.results import Units, in_us_units
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.types import Floats
+from flangeway.units import Units
 
 # --- Pictures of a profile: its shape with measured points, curvature and deviation along it, and its joints to a body.
 
@@ -316,11 +316,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
     files: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         files.setdefault(row.notices, []).append(row.file)
-    notices = [
-        ("\n".join(names), " ".join(map(in_us_units, of_files) if units == "us" else of_files))
-        for of_files, names in files.items()
-        if of_files
-    ]
+    notices = [("\n".join(names), " ".join(of_files)) for of_files, names in files.items() if of_files]
     n_noticed = sum(bool(row.notices) for row in rows)
     compared = f"{folder.nominal} or the nearest" if folder.nominal else "the nearest"
     return Record(

@@ -39,8 +39,8 @@ from flangeway.report.page.record import (
     table_of,
     with_whole,
 )
-from flangeway.results import Units, in_us_units, sentence
 from flangeway.types import Floats
+from flangeway.units import Units
 
 # --- Pictures of the contact geometry: contact locus, rolling radius difference, conicity.
 
@@ -122,7 +122,7 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
         axes.text(
             0.5,
             0.5,
-            "\n".join(map(in_us_units, notices) if units == "us" else notices),
+            "\n".join(notices),
             transform=axes.transAxes,
             ha="center",
             wrap=True,
@@ -260,7 +260,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         success="computed",
         message=f"at {len(run.conicities.amplitudes_mm)} amplitudes"
         if summary["equivalent_conicity"]
-        else sentence("without a conicity at {3 mm}, see the notes"),
+        else "without a conicity at 3 mm, see the notes",
         facts=_conicity_facts(run),
         results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES), units=units),
         pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],

@@ -35,7 +35,7 @@ from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Figures, Picture, Record, SummaryTable, fact, rows_of, table_across
 from flangeway.report.patch_maps import ShownRolling, at_corners, cell_fields, rolling_figure, shown_fields, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
-from flangeway.results import ResultTable, sentence
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
 
@@ -75,7 +75,7 @@ DIGITS = 6
 def rolling_patch_record(run: RollingPatchRun) -> Record:
     """Return what a run of one patch found."""
     case, state, units = run.case, run.state, run.case.units
-    moves = sentence("at {:g km/h}", case.speed_km_h) if case.rolls else "shifted"
+    moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
     across, along = (part.stop - part.start for part in run.contact.box)
     results = rows_of(PATCH, run, units)
     results += rows_of(present(STATE[1:], state), state, units)
@@ -84,9 +84,7 @@ def rolling_patch_record(run: RollingPatchRun) -> Record:
         "The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all cells in "
         f"`{CELLS}` and, for ParaView, in `{PATCH_FILE}`"
         + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
-        subtitle=sentence(
-            "{}, {} by {} cells, {}, coefficient of friction {:g}", state.theory, across, along, moves, case.friction
-        ),
+        subtitle=f"{state.theory}, {across} by {along} cells, {moves}, coefficient of friction {case.friction:g}",
         facts=[
             *(fact(quantity, state, units) for quantity in (LONGITUDINAL_FORCE, LATERAL_FORCE, TRACTION)),
             fact(MAX_PRESSURE, run, units),

@@ -29,8 +29,8 @@ from flangeway.report.figures.drawing import (
     new_figure,
     shade_of,
 )
-from flangeway.results import Units
 from flangeway.types import Floats, Ints
+from flangeway.units import Units
 
 WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
 N_ARROWS, N_LEVELS = 18, 12

@@ -24,7 +24,7 @@ from flangeway.report.section_figures import (
     shear_figure,
     warping_figure,
 )
-from flangeway.results import Units, sentence
+from flangeway.units import Units
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
 ASSUMPTIONS = (
@@ -53,7 +53,7 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
         name=run.drawn.title,
         title=run.drawn.title,
         subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "
-        f"{measured(run.size, unit, units)}, {run.space.n_dofs:,} unknowns",
+        f"{run.size:.4g} {unit}, {run.space.n_dofs:,} unknowns",
         converged=True,
         success="solved",
         message="by both formulations of torsion",
@@ -145,11 +145,9 @@ def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
         return []
     weights = summary["weights"]
     return [
-        sentence(
-            "{} References: E = {:.6g MPa}, G = {:.6g MPa}.",
-            weights["meaning"],
-            weights["reference_young_MPa"],
-            weights["reference_shear_modulus_MPa"],
+        (
+            f"{weights['meaning']} References: E = {weights['reference_young_MPa']:.6g} MPa, G = "
+            f"{weights['reference_shear_modulus_MPa']:.6g} MPa."
         )
     ]
 

@@ -20,7 +20,6 @@ from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Picture, Record, SummaryTable, fact, rows_of, table_across, with_whole
 from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, station_of, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
-from flangeway.results import sentence
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
 
@@ -142,10 +141,9 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.contact.patches[0]
     view = View("patch", (float(patch.centre[0]), float(patch.centre[1])), PATCH_VIEW_WIDTH * patch.semi_axes[0])
-    note = sentence(
-        "Stresses in the plane z = {:z.3f mm}, of the centre of the first patch, in the axes of the "
-        "picture, tension positive, as in the VTU files of the sections.",
-        run.sections[0].z,
+    note = (
+        f"Stresses in the plane z = {run.sections[0].z:z.3f} mm, of the centre of the first patch, in the axes of "
+        "the picture, tension positive, as in the VTU files of the sections."
     )
     return Scene(parts, fields, [view], notes=(note,))
 

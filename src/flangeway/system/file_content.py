@@ -18,6 +18,7 @@ import numpy as np
 from flangeway.checks import check_kind, parsed_number
 from flangeway.errors import InputError, located
 from flangeway.types import Floats, Key
+from flangeway.units import us_key
 
 # --- What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says.
 
@@ -234,11 +235,13 @@ class TomlFile:
             return cls(file, text, toml_data(text, kind.lines))
 
     def place(self, key: Key) -> str:
-        """File and line of a key, or of the nearest one above it, for the start of a message."""
-        lines = self._lines
+        """File and line of a key, in metric or US units, or of the nearest one above it, for the start of a message."""
         for end in range(len(key), 0, -1):
-            if key[:end] in lines:
-                return f"{self.file}, line {lines[key[:end]]}: "
+            in_us = us_key(str(key[end - 1]))
+            for name in (key[end - 1], in_us.name if in_us else ""):
+                line = self._lines.get((*key[: end - 1], name))
+                if line is not None:
+                    return f"{self.file}, line {line}: "
         return f"{self.file}: "
 
     @cached_property

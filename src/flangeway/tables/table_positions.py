@@ -16,7 +16,6 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.tables import creep_sampling
@@ -112,7 +111,7 @@ def _random(task: PositionTask, *more: float) -> np.random.Generator:
 def _refused(task: PositionTask, status: Status) -> InputError:
     lateral, yaw, load = task.position
     return InputError(
-        sentence("{lateral_mm = :g}, yaw_mrad = {:g}, {load_kN = :g}: {}", lateral, yaw, load, status.message),
+        f"lateral_mm = {lateral:g}, yaw_mrad = {yaw:g}, load_kN = {load:g}: {status.message}",
         "positions at which both wheels are in contact",
         "give a smaller range",
     )

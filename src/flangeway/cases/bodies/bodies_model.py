@@ -59,7 +59,6 @@ from flangeway.problems import (
 )
 from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
-from flangeway.results import assigned
 from flangeway.solve import Handle
 from flangeway.solve.body_response import BodyLoad
 from flangeway.solve.constraints import refuse_floating
@@ -231,7 +230,7 @@ class _Builder:
         for component, value in given.items():
             if value and component not in table.hold:
                 raise InputError(
-                    assigned(f"{key}.{component}_mm", value, "g") + f" with hold = {table.hold!r}",
+                    f"{key}.{component}_mm = {value:g} with hold = {table.hold!r}",
                     "displacements of held components",
                     f'set hold = "xy" or "{component}", or leave {component}_mm out',
                 )
@@ -400,7 +399,7 @@ class _Builder:
             moves = table.rotation_deg or table.shift_mm != (0.0, 0.0)
             if push is not None or table.leg > 1 or moves or table.push_N == (0.0, 0.0):
                 raise InputError(
-                    assigned(f"{key}.push_N", list(table.push_N)),
+                    f"{key}.push_N = {list(table.push_N)}",
                     "one push in a case, in leg 1, of a force that is not zero, without shift and rotation",
                     "press one body by a force and fix or shift the others",
                 )

@@ -33,7 +33,6 @@ from flangeway.post import (
 )
 from flangeway.problems import ElasticField
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.results import sentence
 from flangeway.solve import ElasticitySolution, Status, StepSettings, solve_elasticity
 from flangeway.types import Floats, Progress
 
@@ -488,12 +487,10 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
 def _overlaps(contact: ContactSolution, tables: Sequence[ContactTable]) -> list[str]:
     """Warnings about overlaps before any motion that are not intended."""
     return [
-        sentence(
-            "{} on {}: the surfaces overlapped by {:.3g mm} before any "
-            "motion; the overlap is removed as an interference fit, which interference = true calls intended.",
-            pair.secondary.part.name,
-            pair.primary.part.name,
-            depth,
+        (
+            f"{pair.secondary.part.name} on {pair.primary.part.name}: the surfaces overlapped by {depth:.3g} mm "
+            "before any motion; the overlap is removed as an interference fit, which interference = true calls "
+            "intended."
         )
         for pair, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
         if depth > ROUND_OFF * contact.system.parts[0].body.elasticity.size and not table.interference

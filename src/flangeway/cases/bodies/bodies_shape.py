@@ -37,7 +37,6 @@ from flangeway.geometry.region import Region
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
-from flangeway.results import assigned, sentence
 from flangeway.types import Bools
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
@@ -451,7 +450,7 @@ def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
     longest = max(side.length for side in chosen)
     if longest > MAX_EDGES * fine.size_mm:
         raise InputError(
-            sentence("{}.{size_mm = :g} along {:g mm}", key, fine.size_mm, longest),
+            f"{key}.size_mm = {fine.size_mm:g} along {longest:g} mm",
             f"at most {MAX_EDGES} edges along a side",
             "take a larger size",
         )
@@ -530,8 +529,8 @@ def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], 
     nearest = spots[apart.argmin()]
     if apart.min() > ON_LINE * float(norms(np.ptp(mesh.points, axis=0))):
         raise InputError(
-            assigned(f"{key}.point_mm", list(point), "g"),
-            sentence("a point of the mesh of {!r}; the nearest is [{:.9g (mm)}, {:.9g (mm)}]", body, *nearest),
+            f"{key}.point_mm = [{point[0]:g}, {point[1]:g}]",
+            f"a point of the mesh of {body!r}; the nearest is [{nearest[0]:.9g}, {nearest[1]:.9g}]",
             "give a corner of the outline or a point of the mesh",
         )
     return float(nearest[0]), float(nearest[1])

@@ -42,7 +42,6 @@ from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_g
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.quantities import Quantities, Quantity, of_part
-from flangeway.results import assigned, sentence
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats, Progress
@@ -213,20 +212,20 @@ class HertzCase(PresetCase, BodiesCase):
         for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
             if value > MAX_RADIUS * size:
                 raise InputError(
-                    sentence("{} with elements of {size_mm = :g}", assigned(key, value, "g"), size),
+                    f"{key} = {value:g} with elements of size_mm = {size:g}",
                     f"radii up to {MAX_RADIUS:g} times size_mm",
                     'make it smaller; lower = "block" is flat',
                 )
         smallest = radius if self.lower == "block" else min(radius, below)
         if zone > MAX_ZONE * smallest:
             raise InputError(
-                sentence("a contact that may reach {:.3g mm} to either side on a radius of {:g mm}", zone, smallest),
+                f"a contact that may reach {zone:.3g} mm to either side on a radius of {smallest:g} mm",
                 f"up to {MAX_ZONE:g} of the radius",
                 "make size_mm and the indentation or the force smaller",
             )
         if zone > MAX_EDGES * size:
             raise InputError(
-                sentence("{size_mm = :g} for a contact that may reach {:.3g mm} to either side", size, zone),
+                f"size_mm = {size:g} for a contact that may reach {zone:.3g} mm to either side",
                 f"at most {MAX_EDGES} edges on that length",
                 "make size_mm larger",
             )
@@ -238,12 +237,8 @@ class HertzCase(PresetCase, BodiesCase):
         reach = min(self.radius_mm, self.lower_radius_mm) * math.sin(math.radians(arc_deg) / 2.0)
         if self._zone() > reach:
             raise InputError(
-                sentence(
-                    "fine_arc_deg = {:g}, {:.3g mm} to either side, for a contact that may reach {:.3g mm}",
-                    arc_deg,
-                    reach,
-                    self._zone(),
-                ),
+                f"fine_arc_deg = {arc_deg:g}, {reach:.3g} mm to either side, for a contact that may reach "
+                f"{self._zone():.3g} mm",
                 "a fine arc that holds the contact",
                 "make it larger, or the indentation, the force or size_mm smaller",
             )

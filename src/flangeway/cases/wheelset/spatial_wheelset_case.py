@@ -33,7 +33,6 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_posit
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import RailSupport
 from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc
-from flangeway.results import sentence
 from flangeway.system.disk_cache import Cache
 from flangeway.system.file_content import number_table
 from flangeway.types import Progress
@@ -79,7 +78,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     axle_load_kN: float = Field(200.0, gt=0.0, le=1e5)
     """axle load, weight on both rails"""
     superelevation_base_mm: Positive | None = None
-    """width over which superelevation is measured (default: the gauge and {65 mm})"""
+    """width over which superelevation is measured (default: the gauge and 65 mm)"""
     yaw_mrad: float = Field(0.0, ge=-200.0, le=200.0)
     """yaw of the axle, positive where the right wheel is ahead"""
     lateral_mm: float | None = None
@@ -126,7 +125,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
     axle: Literal["elastic", "rigid"] = "elastic"
     """elastic: an AAR class F axle that bends between its journals"""
     yield_MPa: Positive | None = None
-    """yield strength, for the shakedown position of patches (default: {510 MPa}, rail steel)"""
+    """yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"""
     method: Method = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
     order: ElementOrder = 2
@@ -285,7 +284,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             return None
         if not self.speed_km_h:
             raise InputError(
-                sentence("friction = {:g} with {speed_km_h = }", self.coefficient, self.speed_km_h),
+                f"friction = {self.coefficient:g} with speed_km_h = {self.speed_km_h}",
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
@@ -304,7 +303,7 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
 
     @property
     def _base_words(self) -> str:
-        return sentence("the gauge and {:g mm}, the distance of the running circles", RUNNING_CIRCLES_MM)
+        return f"the gauge and {RUNNING_CIRCLES_MM:g} mm, the distance of the running circles"
 
     @property
     def _superelevation_base(self) -> float:
@@ -314,18 +313,15 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
 
     def _supports(self) -> list[str]:
         """Sentences on track, wheels and axle."""
-        seat = sentence(
-            "{:g kN/mm} vertical, {:g kN/mm} lateral and {:g kN m/rad} in roll every {:g mm}",
-            self.seat_vertical_kN_per_mm,
-            self.seat_lateral_kN_per_mm,
-            self.seat_roll_kNm_per_rad,
-            self.sleeper_spacing_mm,
+        seat = (
+            f"{self.seat_vertical_kN_per_mm:g} kN/mm vertical, {self.seat_lateral_kN_per_mm:g} kN/mm lateral and "
+            f"{self.seat_roll_kNm_per_rad:g} kN m/rad in roll every {self.sleeper_spacing_mm:g} mm"
         )
         seats = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
         where = f"the wheelset is {seats} a sleeper"
         track = {
-            "sleepers": sentence("Each rail on sleepers, {}; {}.", seat, where),
-            "continuous": sentence("Each rail on a continuous foundation, {}.", seat),
+            "sleepers": f"Each rail on sleepers, {seat}; {where}.",
+            "continuous": f"Each rail on a continuous foundation, {seat}.",
             "fixed": "The rails are fixed along their whole base.",
         }[self.rail_support]
         wheel = {
@@ -343,11 +339,9 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
         if not self.coefficient:
             return "Contact without friction: L/V leaves out creep forces."
         theory = THEORIES[self.rolling_theory]
-        where = sentence("{:g km/h}", self.speed_km_h) + (
-            sentence(", {:g m}", self.curve_radius_m) if self.curve_radius_m else ""
-        )
+        where = f"{self.speed_km_h:g} km/h" + (f", {self.curve_radius_m:g} m" if self.curve_radius_m else "")
         friction = f"a coefficient of friction of {self.coefficient:g}"
-        return sentence("Steady rolling at {} with {}; creep forces by {}.", where, friction, theory)
+        return f"Steady rolling at {where} with {friction}; creep forces by {theory}."
 
     def assumptions(self, result: SpatialResult) -> list[str]:
         """See `WheelsetInputs.assumptions`."""
@@ -356,11 +350,9 @@ class SpatialWheelsetCase(FrictionInputs, WheelsetInputs, RunnableCase):
             "Three dimensions: each rail is a prism; gaps are computed for true bodies of revolution.",
             *self.derived(),
             *profile_notes(problem.track, problem.wheelset),
-            sentence(
-                "Linear elastic, isotropic steel: Young's modulus {:g MPa}, Poisson's ratio "
-                "{:g}; plasticity is not modelled.",
-                self.young_MPa,
-                self.poisson,
+            (
+                f"Linear elastic, isotropic steel: Young's modulus {self.young_MPa:g} MPa, Poisson's ratio "
+                f"{self.poisson:g}; plasticity is not modelled."
             ),
             self._friction_words(),
             "Stresses below the patches are those of a half-space under the tractions of all cells.",

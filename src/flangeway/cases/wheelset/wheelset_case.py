@@ -46,9 +46,7 @@ from flangeway.railway.track.wheelset_problem import (
 )
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.wheelset_checks import SLICE
 from flangeway.railway.wheelset.wheelset_model import build_model
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Progress
@@ -208,7 +206,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     rail_poisson: PoissonRatio | None = None
     """Poisson's ratio of the rails (default: poisson)"""
     yield_MPa: Positive | None = None
-    """yield strength, for a warning (default: {510 MPa}, rail steel)"""
+    """yield strength, for a warning (default: 510 MPa, rail steel)"""
     method: Method = Discretisation.method
     """fem is triangles, vem is polygons with virtual elements"""
     order: ElementOrder = Discretisation.order
@@ -284,17 +282,16 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             materials = {"steel": problem.material}
         return [
             "Plane strain: the bodies do not stretch in the direction of the track.",
-            sentence(SLICE, self.thickness_mm),
-            sentence("Thickness {:g mm}: this length of wheel and rail carries the whole load.", self.thickness_mm),
+            "Stresses in web, fillets and foot, the displacement of the rail's head and the approach are those of a "
+            f"prism of {self.thickness_mm:g} mm that carries the whole load alone: compare them between runs, not with "
+            "a rail in track.",
+            f"Thickness {self.thickness_mm:g} mm: this length of wheel and rail carries the whole load.",
             *self.derived(),
             *profile_notes(track, wheelset),
             *(
-                sentence(
-                    "Linear elastic, isotropic {}: Young's modulus {:g MPa}, Poisson's ratio "
-                    "{:g}; plasticity is not modelled.",
-                    name,
-                    material.young,
-                    material.poisson,
+                (
+                    f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
+                    f"{material.poisson:g}; plasticity is not modelled."
                 )
                 for name, material in materials.items()
             ),
@@ -353,7 +350,7 @@ class WheelsetCurveCase(WheelsetCase):
     title = "A wheelset in a curve, pressed against the outer rail"
 
     lateral_force_kN: float = 28.4
-    """horizontal force at the centre of gravity, to the right: centrifugal force of {400 m} at {70 km/h}"""
+    """horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h"""
     superelevation_mm: float | Literal["from-speed"] = 30.0
     """height of the right rail over the left one (default: that of the outer rail); from-speed: equilibrium
     superelevation of speed and radius"""

@@ -50,8 +50,8 @@ from flangeway.railway.track.wheelset_problem import (
     curve_force_N,
     superelevation_angle,
 )
-from flangeway.results import Units, sentence, with_texts
 from flangeway.system.file_content import is_file
+from flangeway.units import Units
 
 # --- Rails and wheels of cases by the names that users give: bundled ones, or files of profiles.
 
@@ -162,15 +162,11 @@ def with_body(
 
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
-
-    def changed(part: str) -> str:
-        part = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", part)
-        part = part.replace("--no-mirror", f"{key}_mirror = false")
-        for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
-            part = re.sub(rf"--{option}\b", f"{key}_{name}", part)
-        return re.sub(r"--position( in \w+)?", position_key(key), part)
-
-    return with_texts(text, changed)
+    text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
+    text = text.replace("--no-mirror", f"{key}_mirror = false")
+    for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
+        text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
+    return re.sub(r"--position( in \w+)?", position_key(key), text)
 
 
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
@@ -233,16 +229,13 @@ def _means_file(name: str) -> bool:
 def gauge_note(track: Track) -> str:
     """Return where the gauge is measured, in a sentence."""
     heads = "unworn rails" if track.gauge_at == "unworn" else "rails"
-    depths = (track.gauge_point(side).depth_mm for side in SIDES)
-    width = track.measured_gauge_mm
-    return sentence(
-        "The gauge of {:g mm} is measured {:.2f (mm)} (left) and {:.2f mm} (right) below the tops of the {}{}.",
-        track.gauge_mm,
-        *depths,
-        heads,
-        ""
-        if width is None or track.gauge_at == "within-depth"
-        else sentence("; down to {:g mm} below the tops the heads are {:.2f mm} apart", track.gauge_depth_mm, width),
+    left, right = (track.gauge_point(side).depth_mm for side in SIDES)
+    width, between = track.measured_gauge_mm, ""
+    if width is not None and track.gauge_at != "within-depth":
+        between = f"; down to {track.gauge_depth_mm:g} mm below the tops the heads are {width:.2f} mm apart"
+    return (
+        f"The gauge of {track.gauge_mm:g} mm is measured {left:.2f} (left) and {right:.2f} mm (right) below the tops "
+        f"of the {heads}{between}."
     )
 
 
@@ -253,10 +246,7 @@ def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     profiles: dict[RailProfile | WheelProfile, None] = dict.fromkeys([*wheels, *rails])
     return [
         gauge_note(track),
-        *(
-            sentence("{} {}. {}", "Wheel" if profile in wheels else "Rail", profile.title, profile.certainty)
-            for profile in profiles
-        ),
+        *(f"{'Wheel' if profile in wheels else 'Rail'} {profile.title}. {profile.certainty}" for profile in profiles),
         *(
             notice + f" ({profile.title})"
             for profile in profiles
@@ -386,7 +376,7 @@ class WheelsetInputs(Case):
     cant_deficiency_mm: NotNegative = 0.0
     """equilibrium superelevation less the superelevation from-speed"""
     superelevation_base_mm: Positive | None = None
-    """width over which superelevation is measured, {1500 mm} between the running circles on standard gauge (default:
+    """width over which superelevation is measured, 1500 mm between the running circles on standard gauge (default:
     the gauge)"""
     thickness_mm: Positive = WheelsetProblem.thickness_mm
     """length of the bodies along the track"""
@@ -479,25 +469,15 @@ class WheelsetInputs(Case):
         if self.back_to_back_mm is None:
             usual = usual_gauge(self.gauge_mm)
             sentences.append(
-                sentence(
-                    "Back to back {:g mm}, from the gauge of {:g mm}: {}.",
-                    usual.back_to_back_mm,
-                    self.gauge_mm,
-                    usual.source,
-                )
+                f"Back to back {usual.back_to_back_mm:g} mm, from the gauge of {self.gauge_mm:g} mm: {usual.source}."
             )
         base = self._superelevation_base
         height = self._superelevation(base)
         if height:
             which = self._base_words if self.superelevation_base_mm is None else "superelevation_base_mm"
             sentences.append(
-                sentence(
-                    "Superelevation {:.4g mm} over a base of {:g mm}: {}, tilt of the track {:.5f} rad.",
-                    height,
-                    base,
-                    which,
-                    superelevation_angle(height, base),
-                )
+                f"Superelevation {height:.4g} mm over a base of {base:g} mm: {which}, tilt of the track "
+                f"{superelevation_angle(height, base):.5f} rad."
             )
         return sentences
 
@@ -506,11 +486,7 @@ class WheelsetInputs(Case):
         given = self.superelevation_mm
         if self.curve_radius_m is None or given == "from-speed" or given >= 0.0:
             return []
-        return [
-            sentence(
-                "{superelevation_mm = :g}: adverse cant, the inner rail of the curve is {:g mm} higher", given, -given
-            )
-        ]
+        return [f"superelevation_mm = {given:g}: adverse cant, the inner rail of the curve is {-given:g} mm higher"]
 
     @property
     def _rolls(self) -> bool:
@@ -530,7 +506,7 @@ class WheelsetInputs(Case):
         if self.superelevation_mm != "from-speed":
             if self.cant_deficiency_mm:
                 raise InputError(
-                    sentence("cant_deficiency_mm with {superelevation_mm = :g}", float(self.superelevation_mm)),
+                    f"cant_deficiency_mm with superelevation_mm = {float(self.superelevation_mm):g}",
                     "superelevation_mm = from-speed, from which it is taken off",
                     "give from-speed, or leave cant_deficiency_mm out: the given one includes it",
                 )
@@ -541,19 +517,19 @@ class WheelsetInputs(Case):
                 "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
             )
         at_equilibrium = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
-        where = sentence("{:g km/h} and {:g m}", self.speed_km_h, abs(self.curve_radius_m))
-        what = sentence("{:.4g mm} of equilibrium superelevation at {}", abs(at_equilibrium), where)
+        where = f"{self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
+        what = f"{abs(at_equilibrium):.4g} mm of equilibrium superelevation at {where}"
         height = abs(at_equilibrium) - self.cant_deficiency_mm
         if height < 0.0:
             raise InputError(
-                sentence("{cant_deficiency_mm = :g}", self.cant_deficiency_mm),
+                f"cant_deficiency_mm = {self.cant_deficiency_mm:g}",
                 "at most the " + what,
                 "lower it, or raise the speed",
             )
         if height > MAX_SLOPE * base:
             raise InputError(
                 "superelevation_mm = from-speed: the " + what,
-                sentence("at most {:g mm}, a fifth of superelevation_base_mm", MAX_SLOPE * base),
+                f"at most {MAX_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
                 "give the actual superelevation, or cant_deficiency_mm",
             )
         return math.copysign(height, at_equilibrium)

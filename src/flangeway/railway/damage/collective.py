@@ -11,7 +11,6 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.running_surfaces import SpatialModel
-from flangeway.results import sentence
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
@@ -224,7 +223,7 @@ def _curves(
 ) -> dict[str, Any]:
     """Curves between two radii."""
     return {
-        "name": sentence("curves of {:g (m)} to {:g m}", *radii_m),
+        "name": f"curves of {radii_m[0]:g} to {radii_m[1]:g} m",
         "share": share,
         "parts": parts,
         RADIUS: radii_m,

@@ -28,7 +28,6 @@ from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
-from flangeway.results import sentence, with_unit
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
 from flangeway.types import Floats, Progress
@@ -193,7 +192,7 @@ class Evolution:
         if len(self.laws) == 2 and self.settings.axles_per_km is None:
             raise InputError(
                 "wear of wheels and rails without axles_per_km",
-                sentence("axles that pass a point of the rails while a wheel runs {1 km}"),
+                "axles that pass a point of the rails while a wheel runs 1 km",
                 "give axles_per_km, or let one of them wear",
             )
         for name in self.settings.limits:
@@ -279,7 +278,7 @@ class Evolution:
             error = max(0.5 * way * float(np.abs(there.rates[key] - last.rates[key]).max()) for key in last.rates)
             if error <= settings.max_error_mm:
                 break
-            progress(sentence("an error of {:.2g mm} is estimated: a shorter step", error))
+            progress(f"an error of {error:.2g} mm is estimated: a shorter step")
             way *= self._stretch(error)
         half = 0.5 * way
         surfaces = {
@@ -355,12 +354,7 @@ class Evolution:
                     damage_rates[key] += unit * wear.damage * surface.deposited(wear.ends, widths * passes)
         if not solved:
             raise InputError(
-                sentence(
-                    "no state in equilibrium at {}, {}: {}",
-                    with_unit(position, self.unit, ".4g"),
-                    states[0].name,
-                    states[0].message,
-                ),
+                f"no state in equilibrium at {position:.4g} {self.unit}, {states[0].name}: {states[0].message}",
                 "states that converge",
                 "run the states as cases of their own",
             )

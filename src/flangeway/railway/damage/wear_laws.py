@@ -16,7 +16,6 @@ from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.results import sentence, with_unit
 from flangeway.types import Floats
 
 # --- Wear laws: depth worn per distance rolled from pressure, tractions and slip of the cells of a patch.
@@ -114,14 +113,8 @@ class CellLoads:
             and min(self.pressures.min(initial=0.0), speed) >= 0.0
         ):
             raise InputError(
-                sentence(
-                    "CellLoads with pressures {}, tractions {}, slips {}, dissipation {}, at {:g m/s}",
-                    shape,
-                    self.tractions.shape,
-                    self.slips.shape,
-                    of_cells,
-                    speed,
-                ),
+                f"CellLoads with pressures {shape}, tractions {self.tractions.shape}, slips "
+                f"{self.slips.shape}, dissipation {of_cells}, at {speed:g} m/s",
                 "finite numbers of shapes (...), (..., 2), (..., 2) and (...), pressures and speed >= 0",
                 "give the loads of the same cells",
             )
@@ -287,7 +280,7 @@ class EnergyLaw:
     @property
     def name(self) -> str:
         """See `WearLaw`."""
-        return "energy, " + with_unit(self.constant, self.unit)
+        return f"energy, {self.constant:g} {self.unit}"
 
     def rates(self, cells: CellLoads) -> Floats:
         """See `WearLaw`."""

@@ -17,7 +17,6 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings, measures
 from flangeway.railway.track.wheelset_problem import Role
-from flangeway.results import sentence
 from flangeway.types import Floats
 
 # --- A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
@@ -85,11 +84,7 @@ class WornSurface:
         if depth.shape != (len(self.bounds) - 1,) or not (np.isfinite(depth) & (depth >= 0.0)).all():
             raise InputError(
                 f"{depth.size} depths of {self.new.title}, or some not >= 0",
-                sentence(
-                    "{} finite depths >= 0 in mm, one for each {:g mm} of the surface",
-                    len(self.bounds) - 1,
-                    self.spacing_mm,
-                ),
+                f"{len(self.bounds) - 1} finite depths >= 0 in mm, one for each {self.spacing_mm:g} mm of the surface",
                 "give the depth on all pieces",
             )
         depth.setflags(write=False)
@@ -275,7 +270,7 @@ class WornSurface:
 
     def _too_deep(self, why: str) -> InputError:
         return InputError(
-            sentence("wear of {:.3g mm} on {}: {}", self.depth.max(), self.new.title, why),
+            f"wear of {self.depth.max():.3g} mm on {self.new.title}: {why}",
             "wear inside of the profile and its body",
             "give a profile whose measured surface reaches farther, or end at a smaller depth",
         )

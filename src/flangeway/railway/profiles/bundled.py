@@ -16,7 +16,6 @@ from flangeway.formats.drawn_section import DrawnSegment, parse_segment, parse_t
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placement, Point, Region, Section, Segment
 from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.formats.instrument_files import GAP_MM, closed_gaps
-from flangeway.results import sentence
 from flangeway.system.file_content import packaged_rows, packaged_text
 
 # --- Running surfaces from formulas and arcs: S1002, a heavy-haul wheel of nine arcs, the reference profiles of EN
@@ -420,10 +419,9 @@ def _s1002() -> WheelProfile:
         s1002_contour(),
         title="S1002",
         certainty=(
-            sentence(
-                "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, "
-                "to 0.05 in the section. The profile ends {60 mm} outside the tape line; the chamfer is omitted."
-            )
+            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 "
+            "micrometres, to 0.05 in the section. The profile ends 60 mm outside the tape line; the chamfer is "
+            "omitted."
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )
@@ -435,11 +433,8 @@ def _heavy_haul() -> WheelProfile:
         heavy_haul_contour(),
         title="heavy-haul wheel of nine arcs",
         certainty=(
-            sentence(
-                "The arcs are exact. The source does not say where the tape line is: it is taken "
-                "{:g mm} from the flange's back.",
-                HEAVY_HAUL_TAPE_MM,
-            )
+            "The arcs are exact. The source does not say where the tape line is: it is taken "
+            f"{HEAVY_HAUL_TAPE_MM:g} mm from the flange's back."
         ),
         source="Tutorial 12 of the program GIRAFFE (BSD licence): a Brazilian heavy-haul wheel.",
     )

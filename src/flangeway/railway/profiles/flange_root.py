@@ -11,7 +11,6 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point, norms
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
-from flangeway.results import sentence
 
 GAUGE_HEIGHT_MM = 9.525  # depth below the tape line, 3/8 in, at which the standard measures the flange's thickness
 
@@ -64,8 +63,8 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
             parts["tread_1:20"] = Line(as_point(foot), tread.end)
             return replace(profile, outline=Outline.named(parts.items()))
     raise InputError(
-        sentence("a wide arc of {:g mm} in the flange root of {}", wide_radius_mm, profile.title),
-        sentence("a radius, such as {30 (mm)} to {60 mm}, with which the flange keeps its height, thickness and angle"),
+        f"a wide arc of {wide_radius_mm:g} mm in the flange root of {profile.title}",
+        "a radius, such as 30 to 60 mm, with which the flange keeps its height, thickness and angle",
         "leave it out for that of the file",
     )
 
@@ -87,9 +86,9 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
     if radius_mm <= narrow.radius or square <= 0.0:
         raise InputError(
-            sentence("a wide arc of {:g mm}", radius_mm),
-            sentence("more than {:.1f mm}", 0.5 * (narrow.radius + depth)),
-            sentence("leave it out for {38.1 mm}"),
+            f"a wide arc of {radius_mm:g} mm",
+            f"more than {0.5 * (narrow.radius + depth):.1f} mm",
+            "leave it out for 38.1 mm",
         )
     foot = np.array(tread.start) + (along_arm + math.sqrt(square)) * along
     centre = foot + radius_mm * off
@@ -108,12 +107,9 @@ def identified_wheel() -> WheelProfile:
         profile,
         title=IDENTIFIED,
         certainty=(
-            sentence(
-                "Identified: taper, height, thickness and angle of the flange and width of the rim agree with the "
-                "standard's figures; the wide arc of the flange root, {:g mm}, is the one with which "
-                "one published position comes out.",
-                IDENTIFIED_RADIUS_MM,
-            )
+            "Identified: taper, height, thickness and angle of the flange and width of the rim agree with the "
+            f"standard's figures; the wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one "
+            "with which one published position comes out."
         ),
         source=f"{profile.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
     )

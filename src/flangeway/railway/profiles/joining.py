@@ -26,7 +26,6 @@ from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin, side_notices
 from flangeway.railway.profiles.smoothing import MAX_CLIPPED, extent, graphs_of
-from flangeway.results import sentence
 
 # --- Pieces of closed outlines, and a rail or wheel from one: its head, base, running surface and cut.
 
@@ -266,14 +265,13 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     if offset:
         notices = (
             *notices,
-            sentence("The head is moved sideways by {:.2f mm}: its field side lies on the nominal one.", offset),
+            f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.",
         )
     _refuse_short(surface, kind)
     title = f"{measured.title} (body of {nominal.title})"
-    certainty = sentence(
-        "Running surface as measured, joined by straight transitions to the nominal {}.{}",
-        nominal.title,
-        _tape_text(measured),
+    certainty = (
+        "Running surface as measured, joined by straight transitions to the nominal "
+        f"{nominal.title}.{_tape_text(measured)}"
     )
     source = f"File: {measured.format}. Body: {nominal.source}"
     notices += (
@@ -510,7 +508,7 @@ def _tape_text(measured: MeasuredProfile) -> str:
     taken = measured.orientation
     if taken.tape_mm is None:
         return ""
-    return sentence(" Its tape line is {:g mm} from the flange's back ({}).", taken.tape_mm, taken.how["tape line"])
+    return f" Its tape line is {taken.tape_mm:g} mm from the flange's back ({taken.how['tape line']})."
 
 
 def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -> tuple[str, ...]:
@@ -518,11 +516,9 @@ def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -
     if surface.bottom <= -tip + TIP_OFF_MM:
         return ()
     return (
-        sentence(
-            "The flange's tip is not measured: the nominal {} has it {:.2f mm} below the tape line, from "
-            "where a radius at the flange tip counts.",
-            nominal.title,
-            tip,
+        (
+            f"The flange's tip is not measured: the nominal {nominal.title} has it {tip:.2f} mm below the tape "
+            "line, from where a radius at the flange tip counts."
         ),
     )
 
@@ -532,8 +528,8 @@ def _refuse_short(surface: Contour, kind: Kind, middle: float = 0.0) -> None:
     first, last = REACHES_MM[kind]
     if low > first or high < last:
         raise InputError(
-            sentence("a measured surface from x = {:.4g (mm)} to {:.4g mm}, too short for the contact", low, high),
-            sentence("at least from {:g (mm)} to {:g mm}, counted from the ", first, last)
+            f"a measured surface from x = {low:.4g} to {high:.4g} mm, too short for the contact",
+            f"at least from {first:g} to {last:g} mm, counted from the "
             + ("middle of the head" if kind == "rail" else "tape line"),
             "measure the whole running surface, or check --origin and --tape",
         )
@@ -544,8 +540,8 @@ def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
     low, high = HEIGHTS_MM
     if not low <= height <= high:
         raise InputError(
-            sentence("a measured head whose top is {:.3g mm} above that of the nominal {}", height, nominal.title),
-            sentence("{:g (mm)} to {:g mm}", low, high),
+            f"a measured head whose top is {height:.3g} mm above that of the nominal {nominal.title}",
+            f"{low:g} to {high:g} mm",
             "check --origin and the name after --join",
         )
 
@@ -567,14 +563,9 @@ def _joints(
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
-                sentence(
-                    "the end of the measured surface at the {}, {}, {:.3g mm} from the nominal {}",
-                    words[i],
-                    where(end),
-                    gap,
-                    nominal.title,
-                ),
-                sentence("up to {:g mm}", limit),
+                f"the end of the measured surface at the {words[i]}, {where(end)}, {gap:.3g} mm from the "
+                f"nominal {nominal.title}",
+                f"up to {limit:g} mm",
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
@@ -601,7 +592,7 @@ def _closed(
         outline = Outline.named(chain)
     except InputError as reason:
         raise InputError(
-            sentence("the measured surface on the nominal {}: {}", nominal.title, reason.given),
+            f"the measured surface on the nominal {nominal.title}: {reason.given}",
             "a surface that fits the body",
             "check --origin, --mirror and the name after --join",
         ) from reason

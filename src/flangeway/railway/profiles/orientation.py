@@ -14,7 +14,6 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.instrument_files import TAPE_MM
 from flangeway.railway.profiles.formats.two_column import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
 from flangeway.railway.profiles.smoothing import MIN_POINTS
-from flangeway.results import sentence
 
 # --- Gauge measures of running surfaces, as instruments print them, and curvatures at points of contact.
 
@@ -143,11 +142,11 @@ def worn_side(points: FloatArray) -> WornSide | None:
     if abs(width) >= min(WORN_FACE_MM, abs(drop)):
         more, measure, clear = (
             width,
-            sentence("half width {:g mm} below the top", GAUGE_DEPTH_MM),
+            f"half width {GAUGE_DEPTH_MM:g} mm below the top",
             abs(width) >= WORN_FACE_MM,
         )
     else:
-        more, measure, clear = drop, sentence("drop {:g mm} from the middle", SIDE_MM), abs(drop) >= LEFT_MM
+        more, measure, clear = drop, f"drop {SIDE_MM:g} mm from the middle", abs(drop) >= LEFT_MM
     name = "gauge side" if more > 0.0 else "field side"
     return None if abs(more) < WORN_MM else WornSide(name, abs(more), measure, clear)
 
@@ -171,7 +170,7 @@ def left_hand(points: FloatArray) -> str | None:
     side = worn_side(points)
     if side is None or side.name == "gauge side" or not side.clear:
         return None
-    return sentence("its field side is worn more, by {:.2f mm} ({})", side.more_mm, side.measure)
+    return f"its field side is worn more, by {side.more_mm:.2f} mm ({side.measure})"
 
 
 def seen_back_mm(surface: Contour) -> float | None:
@@ -518,12 +517,7 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
     top, x = float(placed[:, 1].max()), placed[:, 0]
     if min(abs(x.min()), abs(x.max())) > _MAX_RIM_DISTANCE_MM and x.min() * x.max() > 0.0:
         raise InputError(
-            sentence(
-                "lateral coordinates from {:g (mm)} to {:g mm}, far from where a {} has its origin",
-                x.min(),
-                x.max(),
-                kind,
-            ),
+            f"lateral coordinates from {x.min():g} to {x.max():g} mm, far from where a {kind} has its origin",
             f"(0, 0) at one of: {', '.join(allowed)}",
             f"--origin X,Y gives the position of the {'top' if kind == 'rail' else 'tread at the tape line'} in the "
             "file, in its unit; --to FILE writes the profile with its own origin, for cases",
@@ -543,9 +537,9 @@ def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str
         return TAPE_MM if from_back else None
     if not 40.0 <= value <= 110.0:
         raise InputError(
-            sentence("a tape line {:g mm} from the flange's back", value),
-            sentence("{40 (mm)} to {110 mm}"),
-            sentence("{70 mm} is usual"),
+            f"a tape line {value:g} mm from the flange's back",
+            "40 to 110 mm",
+            "70 mm is usual",
         )
     return value
 
@@ -571,7 +565,7 @@ def _on_tread(placed: FloatArray, shift: tuple[float, float], notices: list[str]
     height = min(heights.tolist(), key=abs)
     if abs(height) <= TREAD_OFF_MM:
         return shift
-    notices.append(sentence("The tread was at a height of {:.3f mm} at the tape line; it is moved to zero.", height))
+    notices.append(f"The tread was at a height of {height:.3f} mm at the tape line; it is moved to zero.")
     return shift[0], shift[1] - height
 
 

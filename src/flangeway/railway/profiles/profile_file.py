@@ -53,7 +53,6 @@ from flangeway.railway.profiles.smoothing import (
     rounding_um,
     smoothed,
 )
-from flangeway.results import sentence, with_unit
 from flangeway.system.file_content import file_content, path_of
 from flangeway.types import Ints, floats
 
@@ -120,8 +119,8 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
             f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right"
         )
         raise InputError(
-            sentence("a profile of {:.4g mm} along its curve", path),
-            sentence("{:g (mm)} to {:g mm}", low, high),
+            f"a profile of {path:.4g} mm along its curve",
+            f"{low:g} to {high:g} mm",
             "check the numbers and the unit that is named" if unit_is_sure else advice,
         )
 
@@ -142,8 +141,8 @@ def _merged(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[s
     means = np.add.reduceat(points, starts) / np.diff(np.append(starts, len(points)))[:, None]
     first = lines[np.setdiff1d(np.arange(len(points)), starts)[0]]
     why = " of each other" if reach == SAME_MM else ", denser than their noise,"
-    notice = sentence("{} of {} points within {:.2g mm}{} are merged into means", n_merged, len(points), reach, why)
-    return means, lines[starts], [sentence("{}, the first in line {}.", notice, first)]
+    notice = f"{n_merged} of {len(points)} points within {reach:.2g} mm{why} are merged into means"
+    return means, lines[starts], [f"{notice}, the first in line {first}."]
 
 
 def _starts(points: FloatArray, reach_mm: float) -> Ints:
@@ -184,11 +183,15 @@ def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> Float
     return distances
 
 
+def _point(point: FloatArray) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g}) mm"
+
+
 def _without_outliers(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
     outliers = _outliers(points)
     if not len(outliers):
         return points, lines, []
-    what = sentence("line {}: the point {:.6g mm}", lines[outliers[0]], tuple(points[outliers[0]]))
+    what = f"line {lines[outliers[0]]}: the point {_point(points[outliers[0]])}"
     if len(outliers) > MAX_OUTLIERS * len(points):
         raise InputError(
             f"{len(outliers)} points off the curve, the first in " + what, "a smooth curve", "measure again"
@@ -197,7 +200,7 @@ def _without_outliers(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lin
     return (
         points[kept],
         lines[kept],
-        [sentence("{} of {} points off the curve are left out, the first in {}.", len(outliers), len(points), what)],
+        [f"{len(outliers)} of {len(points)} points off the curve are left out, the first in {what}."],
     )
 
 
@@ -219,17 +222,17 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
             return points[kept], lines[kept], [notice]
         if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MAX_FOLDED:
             raise InputError(
-                sentence("line {}: the points turn back at {:.6g mm}", lines[i], tuple(last)),
-                sentence("points in order along the profile, or overlaps up to {:g mm}", _MAX_FOLD_MM),
+                f"line {lines[i]}: the points turn back at {_point(last)}",
+                f"points in order along the profile, or overlaps up to {_MAX_FOLD_MM:g} mm",
                 "sort the points along the profile, or remove those that are wrong",
             )
     if not dropped:
         return points, lines, []
-    location = sentence("line {} at {:.6g mm}", lines[dropped[0]], tuple(points[dropped[0]]))
+    location = f"line {lines[dropped[0]]} at {_point(points[dropped[0]])}"
     return (
         points[kept],
         lines[kept],
-        [sentence("{} of {} points that go back are left out, the first in {}.", len(dropped), len(points), location)],
+        [f"{len(dropped)} of {len(points)} points that go back are left out, the first in {location}."],
     )
 
 
@@ -240,8 +243,7 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
     wide = np.flatnonzero(lengths > max(_SMALL_GAP_MM, 8.0 * float(np.median(lengths))))
     notices = []
     for i in wide.tolist():
-        both = tuple(points[i]), tuple(points[i + 1])
-        gap = sentence("gap of {:.3g mm} from {:.5g (mm)} to {:.5g mm}, line {}", lengths[i], *both, lines[i])
+        gap = f"gap of {lengths[i]:.3g} mm from {_point(points[i])} to {_point(points[i + 1])}, line {lines[i]}"
         before = points[i] - points[max(i - 4, 0)]
         after = points[min(i + 5, len(points) - 1)] - points[i + 1]
         around = [d for d in (before, after) if norms(d) > 0.0]
@@ -250,7 +252,7 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
         if lengths[i] > MAX_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:
             raise InputError(
                 "a " + gap,
-                sentence("gaps up to {:g mm}, and only where the profile is straight", MAX_GAP_MM),
+                f"gaps up to {MAX_GAP_MM:g} mm, and only where the profile is straight",
                 "measure it again",
             )
         notices.append("A " + gap + ", is bridged: the profile is straight there.")
@@ -378,7 +380,7 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
         if ending in SLICES:
             slices = read_slices(file, _text(content))
             position = slices.wanted(given.position)
-            stem = f"{file.stem} at " + with_unit(position, UNITS[slices.kind])
+            stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
             read, options = partial(_slice, unit=given.unit), replace(given, unit=None)
             profile = _profile(slices.section(position, read), "slices", options, stem, slices.slice(0, read))
             return replace(profile, file=file.name)
@@ -446,7 +448,7 @@ def _profile(
         if why is not None:
             taken, notices = orientation(raw, replace(options, mirror=True))
             taken = replace(taken, how={**taken.how, "side": "from the worn side"})
-            more.append(sentence("{}: read as a right-hand one, {}. --no-mirror keeps it as it is.", MIRRORED, why))
+            more.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
     if options.mirror is False:
         taken = replace(taken, how={**taken.how, "side": "given"})
     if taken.mirrored and taken.how["side"] == "from the flange":
@@ -465,12 +467,8 @@ def _profile(
     smoothing = smoothed(points, options.smooth_mm, options.limit_um, "measured", rounding)
     if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
         more.append(
-            sentence(
-                "The noise is {:.0f} micrometres; waves shorter than {:g mm} are "
-                "smoothed away so that curvatures can be trusted.",
-                smoothing.noise_um,
-                smoothing.wavelength_mm,
-            )
+            f"The noise is {smoothing.noise_um:.0f} micrometres; waves shorter than "
+            f"{smoothing.wavelength_mm:g} mm are smoothed away so that curvatures can be trusted."
         )
     if smoothing.n_held > _MAX_HELD * len(points):
         more.append(
@@ -496,21 +494,18 @@ def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orient
         if (seen is None and reach <= taken.tape_mm) or abs(reach - taken.tape_mm) <= BACK_OFF_MM:
             return taken, []
         return taken, [
-            sentence(
-                "The profile reaches {:.2f mm} from the tape line to the flange's back, the tape distance "
-                "({}) is {:g mm}: the wheels' inner faces are taken at the latter; "
-                "--tape gives another one.",
-                reach,
-                taken.how["tape line"],
-                taken.tape_mm,
+            (
+                f"The profile reaches {reach:.2f} mm from the tape line to the flange's back, the tape distance "
+                f"({taken.how['tape line']}) is {taken.tape_mm:g} mm: the wheels' inner faces are taken at the "
+                "latter; --tape gives another one."
             )
         ]
     if seen is not None:
         return replace(taken, tape_mm=seen, how={**taken.how, "tape line": "from the flange's back"}), []
     return replace(taken, tape_mm=TAPE_MM), [
-        sentence(
-            "The flange's back is not measured: it is taken {:g mm} from the tape line; --tape gives another distance.",
-            TAPE_MM,
+        (
+            f"The flange's back is not measured: it is taken {TAPE_MM:g} mm from the tape line; --tape gives "
+            "another distance."
         )
     ]
 
@@ -520,14 +515,7 @@ def side_notices(head: Contour) -> list[str]:
     side = worn_side(head.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM))
     if side is None or side.name == "gauge side":
         return []
-    return [
-        sentence(
-            "{}, by {:.2f mm} ({}): a left-hand rail? --mirror reverses it.",
-            FIELD_WORN,
-            side.more_mm,
-            side.measure,
-        )
-    ]
+    return [f"{FIELD_WORN}, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? --mirror reverses it."]
 
 
 def _placed(contour: Contour, taken: Orientation) -> Contour:

@@ -11,7 +11,6 @@ from flangeway.geometry import Contour, FloatArray, Segment
 from flangeway.geometry.arrays import chain_lengths, cross_product, norms, step_lengths
 from flangeway.geometry.biarcs import Curve, biarcs
 from flangeway.railway.profiles.arc_interpolation import arc_chain
-from flangeway.results import sentence
 from flangeway.types import Bools, Floats, floats
 
 # --- Points to a smooth curve of arcs. Exact and rounded points, as of drawings, get lines and arcs through or near
@@ -179,7 +178,7 @@ def smoothed(
     if wavelength_mm is not None and wavelength_mm != 0.0 and not low <= wavelength_mm <= high:
         raise InputError(
             f"--smooth {wavelength_mm:g}",
-            sentence("a wavelength of {:g (mm)} to {:g mm}, or 0 for none", low, high),
+            f"a wavelength of {low:g} to {high:g} mm, or 0 for none",
             "leave it out",
         )
     low, high = LIMITS_UM

@@ -23,7 +23,6 @@ from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.rigid.rigid_geometry import ContactLocus
-from flangeway.results import sentence
 from flangeway.system.file_content import file_content, path_of
 from flangeway.types import Floats, Ints, floats
 
@@ -84,8 +83,8 @@ class RollingRadiusDifference:
         slack = 1e-9 * (high - low)
         if ((wanted < low - slack) | (wanted > high + slack)).any():
             raise InputError(
-                sentence("a lateral displacement of {:g mm}", wanted[np.argmax(np.abs(wanted))]),
-                sentence("{:g (mm)} to {:g mm}, where the rolling radius difference is given", low, high),
+                f"a lateral displacement of {wanted[np.argmax(np.abs(wanted))]:g} mm",
+                f"{low:g} to {high:g} mm, where the rolling radius difference is given",
                 "give the difference over a wider range, or ask for a smaller one",
             )
 
@@ -155,11 +154,8 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
         rows = table.points * UNITS_MM[chosen]
         if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
             raise InputError(
-                sentence("lateral displacements up to {:.4g mm}", np.abs(rows[:, 0]).max()),
-                sentence(
-                    "up to {:g mm}: a column of lateral displacements and one of rolling radius differences",
-                    MAX_LATERAL_MM,
-                ),
+                f"lateral displacements up to {np.abs(rows[:, 0]).max():.4g} mm",
+                f"up to {MAX_LATERAL_MM:g} mm: a column of lateral displacements and one of rolling radius differences",
                 "check the unit; a profile is given in a case file as wheel or rail",
             )
         return RollingRadiusDifference(*(rows if len(rows) < 2 or rows[0, 0] <= rows[-1, 0] else rows[::-1]).T)
@@ -186,8 +182,8 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
     if np.isnan(middles).any():
         low, high = difference.lateral_mm[[0, -1]]
         raise InputError(
-            sentence("an amplitude of {:g mm}", amplitudes[np.argmax(np.isnan(middles))]),
-            sentence("a motion inside {:g (mm)} to {:g mm}", low, high),
+            f"an amplitude of {amplitudes[np.argmax(np.isnan(middles))]:g} mm",
+            f"a motion inside {low:g} to {high:g} mm",
             "give the rolling radius difference over a wider range, or a smaller amplitude",
         )
     waves = np.array(

@@ -22,7 +22,6 @@ from flangeway.railway.rigid.rigid_geometry import (
 )
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetLoad, WheelsetProblem
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -134,20 +133,15 @@ class RigidEquilibrium:
         """Whether there is an equilibrium that the wheelset reaches from the middle of the track; if not, why."""
         if isinstance(self.outcome, InputError):
             error = self.outcome
-            return Status(False, sentence("{}; allowed is {}; {}", error.given, error.allowed, error.advice), 0)
+            return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
         # no sign before a zero
         lateral, n_points = round(self.outcome.motion.lateral_mm, 3) + 0.0, len(self.outcome.contacts)
-        where = sentence("at a lateral displacement of {:.3f mm} on {} points", lateral, n_points)
+        where = f"at a lateral displacement of {lateral:.3f} mm on {n_points} points"
         if self.outcome.neutral_mm is not None:
             low, high = self.outcome.neutral_mm
             return Status(
                 True,
-                sentence(
-                    "in neutral equilibrium between {:.2f (mm)} and {:.2f mm}, without friction; shown {}",
-                    low,
-                    high,
-                    where,
-                ),
+                f"in neutral equilibrium between {low:.2f} and {high:.2f} mm, without friction; shown {where}",
                 0,
             )
         return Status(True, "in equilibrium " + where, 0)

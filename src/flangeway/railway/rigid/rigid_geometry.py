@@ -12,7 +12,6 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, WheelsetPosition, refuse_misfit
-from flangeway.results import sentence
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Points of contact of a rigid wheelset over its positions, and where they jump.
@@ -262,10 +261,8 @@ class RigidGeometry:
             edge = self._at_edge(positions)
             if edge.any():
                 raise InputError(
-                    sentence(
-                        "a lateral displacement of {:g mm}, with a touch at the end of a running surface",
-                        wanted[np.argmax(edge)],
-                    ),
+                    f"a lateral displacement of {wanted[np.argmax(edge)]:g} mm, with a touch at the end of a "
+                    "running surface",
                     "touches inside the rails' heads and the wheels' running surfaces",
                     "check gauge_mm and back_to_back_mm, or give smaller displacements",
                 )
@@ -275,10 +272,8 @@ class RigidGeometry:
         if ((wanted < low) | (wanted > high)).any():
             worst = float(wanted[np.argmax(np.abs(wanted))])
             raise InputError(
-                sentence("a lateral displacement of {:g mm}", worst),
-                sentence(
-                    "{:.2f (mm)} to {:.2f mm}; beyond, {}", low, high, self.path_end("right" if worst > 0.0 else "left")
-                ),
+                f"a lateral displacement of {worst:g} mm",
+                f"{low:.2f} to {high:.2f} mm; beyond, {self.path_end('right' if worst > 0.0 else 'left')}",
                 "give a smaller lateral displacement",
             )
         start = np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
@@ -447,7 +442,7 @@ class RigidGeometry:
         rolls, lost = self._rolled(target, eta, phi, at_axle=at_axle)
         if len(lost):
             raise InputError(
-                sentence("a lateral displacement of {:g mm}: no two-wheel contact position found", target[lost[0]]),
+                f"a lateral displacement of {target[lost[0]]:g} mm: no two-wheel contact position found",
                 "profiles on which the touch can be followed",
                 "smooth the profiles, or change the displacement a little",
             )

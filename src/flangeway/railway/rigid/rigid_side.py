@@ -13,7 +13,6 @@ from flangeway.geometry import Contour, Placement
 from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.smoothing import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
 from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
-from flangeway.results import sentence
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Profiles as rigid curves of lines and arcs, evaluated for thousands of points at once.
@@ -99,7 +98,7 @@ class RigidCurve:
         if len(tables) > 1 and extent(tables[1]) > MAX_CLIPPED * extent(tables[0]):
             x, y = tables[1][0, :2] + placement.translation
             raise InputError(
-                sentence("a surface that overhangs at x = {:.2f (mm)}, y = {:.2f mm}", x, y),
+                f"a surface that overhangs at x = {x:.2f}, y = {y:.2f} mm",
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )
@@ -408,11 +407,8 @@ class RigidSide:
             inside = self.rail.joints[0] - self.wheel.joints[-1] - worst
             outside = worst + self.wheel.joints[0] - self.rail.joints[-1]
             raise InputError(
-                sentence(
-                    "a lateral displacement of {:.1f mm}, with which the wheel misses the rail by {:.1f mm}",
-                    worst,
-                    max(inside, outside),
-                ),
+                f"a lateral displacement of {worst:.1f} mm, with which the wheel misses the rail by "
+                f"{max(inside, outside):.1f} mm",
                 "displacements with the wheel above the head of its rail",
                 f"{'lower' if inside > 0.0 else 'raise'} gauge_mm or {'raise' if inside > 0.0 else 'lower'} "
                 "back_to_back_mm, or give a smaller displacement",

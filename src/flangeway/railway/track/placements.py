@@ -17,7 +17,6 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings
-from flangeway.results import joined_text, sentence, with_unit
 from flangeway.types import Floats
 
 Side = Literal["left", "right"]
@@ -61,7 +60,7 @@ class UsualGauge:
 
 
 NARROWING_MM = 10.0  # of a track that keeps its wheelsets
-_OF_THE_EU = sentence("middle of the range for wheels above {840 mm} in Regulation (EU) 1302/2014, 4.2.3.5.2.1")
+_OF_THE_EU = "middle of the range for wheels above 840 mm in Regulation (EU) 1302/2014, 4.2.3.5.2.1"
 USUAL_GAUGES = (
     UsualGauge(1435.0, 1360.0, _OF_THE_EU, 1470.0),
     UsualGauge(1520.0, 1440.0, _OF_THE_EU, 1523.5),
@@ -80,10 +79,10 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
         if usual.includes(gauge_mm):
             return usual
     raise InputError(
-        sentence("{gauge_mm = :g} without back_to_back_mm", gauge_mm),
+        f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
         "gauge_mm and back_to_back_mm, or a gauge whose wheelsets are known, "
-        + joined_text(", ", (with_unit(usual.gauge_mm, "(mm)") for usual in USUAL_GAUGES[:-1]))
-        + sentence(", {:g mm}, somewhat narrowed or widened", USUAL_GAUGES[-1].gauge_mm),
+        + ", ".join(f"{usual.gauge_mm:g}" for usual in USUAL_GAUGES[:-1])
+        + f", {USUAL_GAUGES[-1].gauge_mm:g} mm, somewhat narrowed or widened",
         "give the distance between the wheels' inner faces as back_to_back_mm",
     )
 
@@ -206,8 +205,8 @@ class Track:
         at = gauge_point(head, self._angle, self.gauge_depth_mm)
         if at.reach_mm < self.gauge_depth_mm - _REACH_TOLERANCE_MM:
             raise InputError(
-                sentence("{gauge_depth_mm = :g}, below the head of the {} rail", self.gauge_depth_mm, side),
-                sentence("depths to {:.1f mm} below the rail's top, as far as its gauge face goes down", at.reach_mm),
+                f"gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
+                f"depths to {at.reach_mm:.1f} mm below the rail's top, as far as its gauge face goes down",
                 "give a smaller gauge_depth_mm, gauge_at = narrowest, or a profile with its gauge face",
             )
         return at
@@ -366,19 +365,12 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
 
     An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.
     """
-    given = sentence("{gauge_mm = :g} and {back_to_back_mm = :g} do not fit", track.gauge_mm, wheelset.back_to_back_mm)
+    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
     usual = [gauge for gauge in USUAL_GAUGES if gauge.includes(track.gauge_mm)]
-    advice = "check gauge_mm and back_to_back_mm" + joined_text(
-        "",
-        (
-            sentence(
-                ": {:g (mm)} goes with {:g (mm)}, and is taken where back_to_back_mm is left out",
-                gauge.back_to_back_mm,
-                gauge.gauge_mm,
-            )
-            for gauge in usual
-        ),
+    advice = "check gauge_mm and back_to_back_mm" + "".join(
+        f": {gauge.back_to_back_mm:g} goes with {gauge.gauge_mm:g}, and is taken where back_to_back_mm is left out"
+        for gauge in usual
     )
     for side in SIDES:
         outward = SIDE_SIGN[side]
@@ -390,12 +382,8 @@ def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
         )
         missed = max(inner - far, near - outer)
         if missed > 0.0:
-            raise InputError(
-                sentence("{}: the {} wheel misses its rail by {:.1f mm}", given, side, missed), allowed, advice
-            )
+            raise InputError(f"{given}: the {side} wheel misses its rail by {missed:.1f} mm", allowed, advice)
         flange, head = on_wheel[on_wheel[:, 1] <= -FLANGE_MM, 0], on_rail[on_rail[:, 1] >= -FLANGE_MM, 0]
         room += float(head.min() - flange.max()) if len(flange) else math.inf
     if room < 0.0:
-        raise InputError(
-            sentence("{}: the flanges are {:.1f mm} too far apart for the rails", given, -room), allowed, advice
-        )
+        raise InputError(f"{given}: the flanges are {-room:.1f} mm too far apart for the rails", allowed, advice)

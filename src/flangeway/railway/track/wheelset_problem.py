@@ -10,7 +10,6 @@ from flangeway.elements import Element, Lagrange, Stabilisation, Virtual
 from flangeway.errors import InputError, short
 from flangeway.materials import Elastic
 from flangeway.railway.track.placements import Track, Wheelset, refuse_misfit
-from flangeway.results import sentence
 
 # --- Forces on the wheelset, and where they come from.
 
@@ -39,7 +38,7 @@ class WheelsetLoad:
 
     def __post_init__(self) -> None:
         allowed = "a positive weight: it presses the wheels on the rails"
-        advice = sentence("give the load of the axle in N, 300000 for {30 t}")
+        advice = "give the load of the axle in N, 300000 for 30 t"
         check_positive("WheelsetLoad", "vertical_N", self.vertical_N, allowed, advice)
         check_finite("WheelsetLoad", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
         if not (is_finite(self.tilt_rad) and abs(self.tilt_rad) < 0.25):
@@ -69,9 +68,9 @@ def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
     """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
     if not (base_mm > 0.0 and abs(superelevation_mm) <= MAX_SLOPE * base_mm):
         raise InputError(
-            sentence("{superelevation_mm = :g} over a base of {:g mm}", superelevation_mm, base_mm),
+            f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
             "at most a fifth of the base width",
-            sentence("give both in mm; {3 cm} is 30"),
+            "give both in mm; 3 cm is 30",
         )
     return math.asin(superelevation_mm / base_mm)
 

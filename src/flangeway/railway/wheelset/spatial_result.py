@@ -33,7 +33,6 @@ from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
@@ -263,16 +262,14 @@ def solve_position(
     beyond = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) > RIGID_MM
     climbs = rise > CLIMBED_MM and (status.converged or lateral is not None)
     if climbs or (beyond and not status.converged):
-        reason = sentence("derailed, at {:.1f mm} ", position.lateral_mm)
-        reason += sentence("the axle is {:.1f mm} higher than in the middle of the track, a flange on its rail", rise)
+        reason = f"derailed, at {position.lateral_mm:.1f} mm "
+        reason += f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
         if not climbs:
             reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
         if lateral is not None:
             raise InputError(
-                sentence("{lateral_mm = :g}: {}", lateral, reason),
-                sentence(
-                    "a position at which wheels stand, rigid ones up to {:.1f mm}", wheelset.start.motion.lateral_mm
-                ),
+                f"lateral_mm = {lateral:g}: {reason}",
+                f"a position at which wheels stand, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
                 "give a smaller lateral_mm",
             )
         status = Status(False, reason + "; check what is prescribed and the load", status.iterations)
@@ -301,18 +298,15 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
     prescribed = replace(problem.prescribed, lateral_mm=near)
     beside = solve_position(wheelset.at(problem.load, prescribed, model.yaw_rad, model.rolling), {})
     force = math.copysign(1.0, lateral) * sum(float(beside.force_on_wheel_N(side)[0]) for side in SIDES)
-    words = sentence(
-        "the wheelset stands {:.2f mm} beside the middle of the track, though both sides are alike: its mirror image, "
-        "at {:.2f mm}, and the middle are equilibria as well",
-        abs(lateral),
-        -lateral,
+    words = (
+        f"the wheelset stands {abs(lateral):.2f} mm beside the middle of the track, though both sides are alike: "
+        f"its mirror image, at {-lateral:.2f} mm, and the middle are equilibria as well"
     )
     if beside.status.converged:
-        words += sentence(
-            "; at {:.2f mm} from the middle, contact forces push it {} by {:.3g N}",
-            abs(near),
-            "outwards: it leaves the middle" if force > 0.0 else "back: it stays in the middle if it starts there",
-            abs(force),
+        words += (
+            f"; at {abs(near):.2f} mm from the middle, contact forces push it "
+            f"{'outwards: it leaves the middle' if force > 0.0 else 'back: it stays in the middle if it starts there'} "
+            f"by {abs(force):.3g} N"
         )
     return [words]
 

@@ -20,7 +20,6 @@ from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
-from flangeway.results import sentence
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -258,9 +257,7 @@ class SpatialWheelset:
         errors = np.abs([residuals.lateral_residual, residuals.vertical_residual, residuals.moment_residual,
                          residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
         force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else 1e-3 * abs(motion.torque_Nm)
-        location = sentence(
-            "where the search ended, {:.1f mm} to the {}", abs(position.lateral_mm), _way(position.lateral_mm)
-        )
+        location = f"where the search ended, {abs(position.lateral_mm):.1f} mm to the {_way(position.lateral_mm)}"
         remedy = "a smaller lateral force, or friction"
         if motion is not None:
             unguided = motion.yaw_is_free and not motion.yaw_stiffness_Nm_per_rad
@@ -279,27 +276,23 @@ class SpatialWheelset:
         elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED_RESIDUAL):
             unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
-            cause = sentence(
-                "friction does not transmit the torque: {:.3g (kN m)} of {:.3g kN m} are left", missing, torque_kNm
-            )
+            cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
         elif errors.argmax() == YAW_MOMENT or abs(turned) > MAX_TURN_RAD:
             arm = self.problem.wheelset.back_to_back_mm / 2.0
             missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
             turn = f"turned by {1e3 * abs(turned):.0f} mrad"
-            cause = sentence("{} and {}, a yaw moment of {:.1f kN m} is not balanced", location, turn, missing)
+            cause = f"{location} and {turn}, a yaw moment of {missing:.1f} kN m is not balanced"
             advice = "give the yaw, or a yaw stiffness that holds it"
         elif errors.argmax() == 0:
-            cause = sentence(
-                "{}, a lateral force of {:.1f kN} to the {} is not balanced", location, 0.001 * abs(force), _way(force)
-            )
+            cause = f"{location}, a lateral force of {0.001 * abs(force):.1f} kN to the {_way(force)} is not balanced"
             if force * position.lateral_mm > 0.0:
                 cause += f", which pushes the {_way(force)} flange up its rail"
         else:
             cause = location + ", the forces still change from step to step"
             advice = "give a neighbouring lateral_mm, yaw, torque or friction"
         kind = "no equilibrium" if motion is None else "no equilibrium with friction"
-        message = sentence("{} in {} steps: {}; {}", kind, last.status.iterations, cause, advice)
+        message = f"{kind} in {last.status.iterations} steps: {cause}; {advice}"
         return Status(False, message, last.status.iterations)
 
     def beyond(

@@ -25,7 +25,6 @@ from flangeway.problems.harmonic import mean_and_rotation
 from flangeway.problems.loads import edge_quadrature
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
-from flangeway.results import sentence
 from flangeway.solve.surface_compliance import amplitudes, inverse_weights
 from flangeway.space import CellBatch, Space
 from flangeway.system.disk_cache import Cache, cached
@@ -154,9 +153,7 @@ def rail_problem(space: Space, material: Elastic, base_edges: str, support: Rail
     whole, length = float(np.ptp(bottom[..., 0])) if len(bottom) else 0.0, float(rule.weights.sum())
     if float(rule.points[..., 1].max()) > low[1] + near or abs(length - whole) > near:
         raise InputError(
-            sentence(
-                "edges {} of {:g mm} as the base of a rail, which is {:g mm} wide", short(base_edges), length, whole
-            ),
+            f"edges {short(base_edges)} of {length:g} mm as the base of a rail, which is {whole:g} mm wide",
             "all edges of a flat base, and no others",
             "check the names of the outline's segments",
         )
@@ -341,7 +338,7 @@ class SupportedRail:
         best, shares, distances = nearest_on_segments(points, *space.mesh.points[edges].swapaxes(0, 1))
         if (maximum := float(distances.max(initial=0.0))) > MAX_OFF_MM:
             raise InputError(
-                sentence("points up to {:.3g mm} from the surface of `{}`", maximum, self.problem.elasticity.name),
+                f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )

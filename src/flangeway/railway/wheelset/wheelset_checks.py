@@ -12,7 +12,6 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
-from flangeway.results import joined_text, sentence
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -31,12 +30,6 @@ STEEL_MPa = (190e3, 220e3)
 DEPTH_BELOW = 2.0
 """Distance from a centre of pressure, relative to the contact's half width, that is below the contact: the maximum
 stresses of Hertz's contact are at 0.7 to 0.8 half widths."""
-
-SLICE = (
-    "Stresses in web, fillets and foot, the displacement of the rail's head and the approach are those of a prism of "
-    "{:g mm} that carries the whole load alone: compare them between runs, not with a rail in track."
-)
-"""Validity of a slice whose whole length is loaded: a `sentence` with its thickness; see the page on limits."""
 
 
 def yield_strength(problem: WheelsetProblem, *roles: Role) -> float | None:
@@ -75,7 +68,7 @@ def checked(
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
     if status.converged and errors:
-        status = Status(False, joined_text("; ", errors), status.iterations)
+        status = Status(False, "; ".join(errors), status.iterations)
     warnings = [*checks.warnings, *equilibrium.warnings(status, {patch.side for patch in patches})]
     if status.converged:
         warnings += _beyond_linear(model, displacements)
@@ -93,10 +86,9 @@ def _unbalanced(model: WheelsetModel, patches: Iterable[WheelRailPatch]) -> list
         ("vertical", problem.prescribed.vertical_mm, total[1] - onto),
     )
     return [
-        sentence(
-            "{} contact forces and load differ by {:.3g N}; report this as a fault, with the case file",
-            name,
-            abs(difference),
+        (
+            f"{name} contact forces and load differ by {abs(difference):.3g} N; report this as a fault, with the "
+            "case file"
         )
         for name, prescribed, difference in rows
         if prescribed is None and not abs(difference) <= MAX_RESIDUAL * math.hypot(along, onto)
@@ -116,13 +108,9 @@ def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap])
 def overlap_error(overlap: BodyOverlap) -> str:
     """Sentence about an overlap that neither the contact law nor the mesh explains."""
     x, y = overlap.position
-    return sentence(
-        "{} overlap by {:.3g mm} at ({:.4g (mm)}, {:.4g (mm)}), in the track's axes; "
-        "check the profiles, the gauge and the load",
-        " and ".join(overlap.parts),
-        overlap.depth,
-        x,
-        y,
+    return (
+        f"{' and '.join(overlap.parts)} overlap by {overlap.depth:.3g} mm at ({x:.4g}, {y:.4g}), in the track's "
+        "axes; check the profiles, the gauge and the load"
     )
 
 
@@ -135,13 +123,8 @@ def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) ->
         share = way / float(np.ptp(points[:, 1]))
         if share > MAX_DEFLECTION:
             warnings.append(
-                sentence(
-                    "the {} rail deflects by {:.1f mm}, {:.0f} % of its height, more than linear "
-                    "bodies allow: neither its stresses nor the wheelset's position are valid",
-                    side,
-                    way,
-                    100.0 * share,
-                )
+                f"the {side} rail deflects by {way:.1f} mm, {100.0 * share:.0f} % of its height, more than "
+                "linear bodies allow: neither its stresses nor the wheelset's position are valid"
             )
     return warnings
 
@@ -168,12 +151,9 @@ def _beyond_yield(
     assumed = "the least yield strength of standard rail steel (AREMA Manual, chapter 4)"
     source = assumed if given is None else "the yield strength"
     return [
-        sentence(
-            "elastic von Mises stresses below the contacts exceed {:g MPa}, {}: up to "
-            "{}; the material would yield, with less pressure on wider contact",
-            strength,
-            source,
-            " and ".join(beyond),
+        (
+            f"elastic von Mises stresses below the contacts exceed {strength:g} MPa, {source}: up to "
+            f"{' and '.join(beyond)}; the material would yield, with less pressure on wider contact"
         )
     ]
 

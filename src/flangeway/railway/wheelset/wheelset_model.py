@@ -23,7 +23,6 @@ from flangeway.railway.profiles.orientation import conforming, relative_curvatur
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
-from flangeway.results import sentence
 from flangeway.system.disk_cache import Arrays, Cache, cached
 from flangeway.types import Bools, Floats
 
@@ -84,14 +83,8 @@ def meshed_body(
         )
     except InputError as error:
         raise InputError(
-            sentence(
-                "{}: size_scale={:g} makes contact_size_mm {:g} and body_size_mm {:g}, and no mesh comes of it ({})",
-                role,
-                settings.size_scale,
-                size,
-                body_size,
-                error.given,
-            ),
+            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm "
+            f"{body_size:g}, and no mesh comes of it ({error.given})",
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error

@@ -16,7 +16,6 @@ from flangeway.geometry.shapes import rounded_sides
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WheelProfile
-from flangeway.results import sentence
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import compliances
 from flangeway.space import Space
@@ -95,7 +94,7 @@ class Axle:
         left, right = (float(position) for position in positions)
         if not -drawn[-1, 0] <= left < right <= drawn[-1, 0]:
             raise InputError(
-                sentence("wheels at {:g (mm)} and {:g mm} on an axle that ends at {:g mm}", left, right, drawn[-1, 0]),
+                f"wheels at {left:g} and {right:g} mm on an axle that ends at {drawn[-1, 0]:g} mm",
                 "the left wheel before the right one, both on the axle",
                 "correct the positions, or give a longer axle",
             )
@@ -188,13 +187,8 @@ class WheelDisc:
                     check_positive("WheelDisc", dimension.name, number, "positive lengths", "give it in mm")
         if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
             raise InputError(
-                sentence(
-                    "a hub from {:g (mm)} to {:g mm} and radii of {:g (mm)} and {:g mm}",
-                    self.hub_mm[0],
-                    self.hub_mm[1],
-                    self.bore_radius_mm,
-                    self.hub_radius_mm,
-                ),
+                f"a hub from {self.hub_mm[0]:g} to {self.hub_mm[1]:g} mm and radii of {self.bore_radius_mm:g} "
+                f"and {self.hub_radius_mm:g} mm",
                 "an inner face left of the outer one, and a bore smaller than the hub",
                 "exchange or correct them",
             )
@@ -248,15 +242,8 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
     heights = [positions[i][1] for i in (0, 1, 3, 5)]
     if (np.diff(heights) <= 0.0).any() or back[1] >= disc.rim_mm:
         raise InputError(
-            sentence(
-                "a wheel of the radius {:g mm}, its running surface up to {:.4g mm} above "
-                "the tape line, its rim up to {:g mm}, its hub from {:.4g (mm)} to {:.4g mm}",
-                radius_mm,
-                max(back[1], outer[1]),
-                disc.rim_mm,
-                hub,
-                bore,
-            ),
+            f"a wheel of the radius {radius_mm:g} mm, its running surface up to {max(back[1], outer[1]):.4g} "
+            f"mm above the tape line, its rim up to {disc.rim_mm:g} mm, its hub from {hub:.4g} to {bore:.4g} mm",
             "parts that follow each other",
             "correct the radii or the rim's thickness",
         )
@@ -326,7 +313,7 @@ def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> Surf
     off = float(whole.outline.closest(cells.ends)[2].max())
     if off > OFF_MM:
         raise InputError(
-            sentence("cells {:.3g mm} from the outline of {}", off, whole.title),
+            f"cells {off:.3g} mm from the outline of {whole.title}",
             "cells on the wheel's running surface, in its frame",
             "take the profile that the rim was meshed from",
         )

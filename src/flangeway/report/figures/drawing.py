@@ -27,8 +27,8 @@ from flangeway.contact import ContactSolution, ContactState
 from flangeway.geometry.arrays import extent
 from flangeway.mesh import PolyMesh
 from flangeway.report.page.record import SummaryTable
-from flangeway.results import Units, UsUnit, us_unit
 from flangeway.types import Floats, Ints
+from flangeway.units import Units, UsUnit, us_unit
 
 # --- What all pictures share: figures, colours that stay apart in grey, labels with units, colour bars, legends,
 # fields.

@@ -52,10 +52,11 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.page.record import marked
 from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
-from flangeway.results import Result, Units
+from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
 from flangeway.types import Bools, Floats, floats
+from flangeway.units import Units
 
 # --- Deformed bodies with stresses in colours, as all pictures of fields draw them: inside the elements as they are.
 

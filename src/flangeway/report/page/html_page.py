@@ -25,11 +25,12 @@ from flangeway.quantities import measured
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Again, Picture, Record, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
-from flangeway.results import ResultTable, Units, in_us_units, joined_text, sentence, shown, unit_in, us_key, with_unit
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
 from flangeway.types import Progress
+from flangeway.units import Units, shown, unit_in, us_key
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -93,8 +94,6 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
     fields = type(case).described_fields()
     plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
     meanings = [fields[key].description or "" for key in plain]
-    if case.units == "us":
-        meanings = [*map(in_us_units, meanings)]
     rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
     tables = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
@@ -307,20 +306,14 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
     """Return how much each number of a case changes when its sizes are halved."""
     case, runs = convergence.case, convergence.runs
     stopped = [run.status.message for run in runs if not run.status.converged]
-    sizes = joined_text(
-        ", ",
-        (
-            sentence("{} {} and {}", key, *(with_unit(size, f"({unit_in(key)})") for size in both))
-            for key, both in convergence.sizes.items()
-        ),
-    )
+    sizes = ", ".join((f"{key} {coarse:g} and {fine:g}" for key, (coarse, fine) in convergence.sizes.items()))
     parts = ("given sizes", "half of the sizes")
     return Record(
         name=name,
         title=f"{case.report_title or case.name}: the sizes halved",
         subtitle="Two runs: " + sizes,
         converged=convergence.converged,
-        message=joined_text("; ", stopped),
+        message="; ".join(stopped),
         results=_changes(convergence),
         summary=convergence.to_json(),
         summary_file=SUMMARY,

@@ -11,8 +11,8 @@ from rich.table import Table
 
 from flangeway.quantities import Quantity
 from flangeway.report.viewer import Scene
-from flangeway.results import Units, in_us_units
 from flangeway.system.output_folder import Writer, versions
+from flangeway.units import Units
 
 # --- Tables, and what all commands print alike: tables without a frame, how a run ended, notices, and the files.
 
@@ -162,7 +162,8 @@ def print_notices(console: Console, notices: Iterable[str], word: str = "Note") 
 
 REPORT, SUMMARY = "report.html", "summary.json"
 METRIC_FILES = (
-    "The page, its pictures, CSV files and the workbook are in US units; JSON, Parquet and ParaView files are metric."
+    "Numbers of tables, tiles, pictures, CSV files and the workbook are in US units; sentences, and JSON, Parquet and "
+    "ParaView files, are metric."
 )
 
 
@@ -223,14 +224,9 @@ class Record:
     files: Callable[[], Mapping[str, Writer]] = dict  # functions that write further files, by their names
 
     def __post_init__(self) -> None:
-        """Give sentences that computing wrote the units of the record; its numbers are made in them."""
-        if self.units == "us":
-            for name in ("title", "subtitle", "message", "sentences", "warnings", "notes", "assumptions"):
-                text = getattr(self, name)
-                converted = in_us_units(text) if isinstance(text, str) else [*map(in_us_units, text)]
-                object.__setattr__(self, name, converted)
-            if METRIC_FILES not in self.assumptions:  # a record that is copied has it
-                object.__setattr__(self, "assumptions", [*self.assumptions, METRIC_FILES])
+        """Add a note on what is metric where the units are not."""
+        if self.units == "us" and METRIC_FILES not in self.assumptions:  # a record that is copied has it
+            object.__setattr__(self, "assumptions", [*self.assumptions, METRIC_FILES])
 
     @property
     def verdict(self) -> str:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from flangeway.mesh import PolyMesh
-from flangeway.results import Units, in_us_units, us_unit
 from flangeway.types import Floats, Ints
+from flangeway.units import Units, us_unit
 
 Formula = Literal[
     "value", "x", "y", "magnitude",
@@ -177,5 +177,4 @@ class Scene:
         views = [
             View(view.name, (view.centre[0] / inch, view.centre[1] / inch), view.width / inch) for view in self.views
         ]
-        notes = [*map(in_us_units, self.notes)]
-        return replace(self, parts=parts, fields=fields, views=views, unit=length.name, notes=notes)
+        return replace(self, parts=parts, fields=fields, views=views, unit=length.name)

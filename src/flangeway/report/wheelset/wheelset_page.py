@@ -79,9 +79,10 @@ from flangeway.report.wheelset.wheelset_patches import (
     write_stresses,
     write_surface,
 )
-from flangeway.results import ResultTable, Units, sentence, us_unit
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
+from flangeway.units import Units, us_unit
 
 # --- Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer.
 
@@ -105,12 +106,11 @@ def pressure_scene(run: WheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, stresses below, and a view of each patch."""
     patches = run.space.patches
     views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), PATCH_VIEW_MM) for patch in patches]
-    note = sentence(
+    note = (
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
-        "they are raised where there is pressure, by {:g mm} for {1 MPa}; y is that of the raised "
+        f"they are raised where there is pressure, by {RAISED_MM_PER_MPA:g} mm for 1 MPa; y is that of the raised "
         "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
-        "files of the rails.",
-        RAISED_MM_PER_MPA,
+        "files of the rails."
     )
     z = np.concatenate([state.grid.grid.along for state in run.space.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
@@ -407,12 +407,11 @@ def wheelset_record(run: WheelsetRun) -> Record:
         "tables": _tables(run),
     }
     if run.in_space is None:
-        length = measured(run.problem.thickness_mm, "mm", run.case.units)
         return run_record(
             run,
             PLANE_FILES,
             GIVEN[:4],
-            subtitle=f"{_what(run)}; plane strain, {length} of length; {_method(run)}",
+            subtitle=f"{_what(run)}; plane strain, {run.problem.thickness_mm:.4g} mm of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
             pictures=_pictures(run, PLANE_PICTURES[: None if run.patches else 1]),
             axes=TRACK_AXES,
@@ -447,13 +446,13 @@ def _what(run: WheelsetRun) -> str:
     words = [f"Wheel {wheelset.wheel.title} on rail {track.rail.title}"]
     if not (wheelset.is_symmetric and track.is_symmetric):
         words.append(f"left: wheel {wheelset.wheel_of('left').title} on rail {track.rail_of('left').title}")
-    words.append(f"axle load {measured(run.problem.load.vertical_N / 1e3, 'kN', case.units)}")
+    words.append(f"axle load {run.problem.load.vertical_N / 1e3:.4g} kN")
     if case.speed_km_h is not None:
         radius = case.curve_radius_m
         way = "straight track"
         if radius:
-            way = f"curve of {measured(abs(radius), 'm', case.units)} to the {'left' if radius > 0.0 else 'right'}"
-        words.append(f"{way} at {measured(case.speed_km_h, 'km/h', case.units)}")
+            way = f"curve of {abs(radius):.4g} m to the {'left' if radius > 0.0 else 'right'}"
+        words.append(f"{way} at {case.speed_km_h:.4g} km/h")
     return "; ".join(words)
 
 

@@ -20,7 +20,6 @@ from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.railway.profiles.formats.two_column import Kind, RawProfile, leading_numbers
-from flangeway.results import sentence, with_unit
 
 SLICES: dict[str, Kind] = {".slcs": "rail", ".slcw": "wheel"}
 """Kinds by the ending of the file's name."""
@@ -59,12 +58,7 @@ class ProfileSlices:
         """
         first, last = float(self.positions[0]), float(self.positions[-1])
         option = f"--position in {UNITS[self.kind]}"
-        where = sentence(
-            "{} to {}, {} slices",
-            with_unit(first, f"({UNITS[self.kind]})"),
-            with_unit(last, UNITS[self.kind]),
-            len(self.files),
-        )
+        where = f"{first:g} to {last:g} {UNITS[self.kind]}, {len(self.files)} slices"
         if position is None:
             raise InputError(f"{len(self.files)} slices without a position", f"{option}: " + where, "add it")
         if self.kind == "wheel" and math.isfinite(position):
