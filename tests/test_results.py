@@ -22,7 +22,6 @@ from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import adapt, pressure_patches, recovered_stresses, stresses_along
 from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
-from flangeway.quantities import getter
 from flangeway.report.case_outputs import case_record
 from flangeway.results import Result, ResultTable
 from flangeway.solve import solve_elasticity, solve_torsion
@@ -167,10 +166,3 @@ def test_frames_are_optional(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(InputError, match="to_csv"):
         result("contact").to_dataframe()
-
-
-def test_a_path_follows_attributes_keys_and_places() -> None:
-    """A path goes through objects, mappings and sequences; where something on the way is missing it gives None."""
-    of = SimpleNamespace(depths={"rail": (SimpleNamespace(mm=2.5), None)}, none=None)
-    assert getter("depths.rail.0.mm")(of) == 2.5
-    assert [getter(path)(of) for path in ("depths.rail.1.mm", "depths.wheel.0.mm", "none.any")] == [None] * 3

@@ -25,7 +25,7 @@ from flangeway.mesh import (
     triangulate,
 )
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spring, Traction
-from flangeway.quantities import Quantity, columns, key_unit, reference, values
+from flangeway.quantities import Quantity, columns, key_unit, of_part, reference, values
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.placements import Track, Wheelset
@@ -332,10 +332,18 @@ class Patch:
 
 
 FORCE = Quantity[Patch](
-    "force", "force", "force_N", "kN", ".2f", factor=1e-3, remark=lambda p: "coarse" if p.centre is None else None
+    "force",
+    "force",
+    lambda p: p.force_N,
+    "kN",
+    ".2f",
+    factor=1e-3,
+    remark=lambda p: "coarse" if p.centre is None else None,
 )
-CENTRE = Quantity[Patch]("centre", "centre of pressure", "centre", "mm", "z.2f", ("x", "z"), meaning="in track axes")
-STATE = Quantity[Patch]("state", "  shakedown state", "state")
+CENTRE = Quantity[Patch](
+    "centre", "centre of pressure", lambda p: p.centre, "mm", "z.2f", ("x", "z"), meaning="in track axes"
+)
+STATE = Quantity[Patch]("state", "  shakedown state", lambda p: p.state)
 ALL = (FORCE, CENTRE, STATE)
 PATCHES = [Patch(100e3, (25.4, -0.0)), Patch(4448.2216152605, None)]
 
@@ -352,6 +360,14 @@ def test_summary_values_are_metric_and_have_units_in_their_names():
     """``summary.json`` has the number in the unit of its key, lists for points and None for what does not exist."""
     assert values(ALL, PATCHES[0]) == {"force_kN": 100.0, "centre_mm": [25.4, -0.0], "state": "elastic"}
     assert values(ALL, PATCHES[1])["centre_mm"] is None
+
+
+def test_a_whole_has_the_quantities_of_its_part():
+    """A part's numbers and remarks are those of the whole, and None where the whole does not have the part."""
+    first = of_part(lambda patches: next(iter(patches), None), FORCE, STATE)
+    assert values(first, PATCHES[1:]) == values((FORCE, STATE), PATCHES[1])
+    assert [first[0].remark(PATCHES[1:]), first[0].remark([])] == ["coarse", None]
+    assert values(first, []) == {"force_kN": None, "state": None}
 
 
 def test_columns_in_us_units_are_the_metric_ones_by_exact_factors():

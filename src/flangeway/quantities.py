@@ -9,7 +9,7 @@ A kind of result has a list of quantities. From the same list come
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeAlias, TypeVar
@@ -19,6 +19,8 @@ from flangeway.units import Units, UsUnit, us_unit
 
 T_contra = TypeVar("T_contra", contravariant=True)
 """Kind of object that has the quantity; what has a quantity of a kind has it as one of a narrower kind."""
+Part = TypeVar("Part")
+Whole = TypeVar("Whole")
 MISSING = "–"
 """Text of a value that does not exist."""
 MIN_DIGITS = 3
@@ -38,8 +40,7 @@ class Quantity(Generic[T_contra]):
         Name for people, without the unit: ``maximum pressure``; two spaces before it put it below the one above it.
         Without a label it is for programs alone, and no table has it.
     of
-        Path of attributes of the object, such as ``"patch.centre_mm"``, see `getter`, or function of the object, that
-        gives the number, a text, or None where there is none; with `parts` a sequence.
+        Function of the object that returns the number, a text, or None where there is none; with `parts` a sequence.
     unit
         Metric unit, such as ``MPa``, ``mm²``, ``kN/mm``, ``1/m``; empty for numbers without unit and for texts.
     form
@@ -58,7 +59,7 @@ class Quantity(Generic[T_contra]):
 
     key: str
     label: str
-    of: str | Callable[[T_contra], Any]
+    of: Callable[[T_contra], Any]
     unit: str = ""
     form: str = ".4g"
     parts: tuple[str, ...] = ()
@@ -73,7 +74,7 @@ class Quantity(Generic[T_contra]):
 
     def value(self, source: T_contra) -> Any:
         """Return the number of an object, metric; a list of them if it has parts; None where there is none."""
-        value = getter(self.of)(source)
+        value = self.of(source)
         value = value.tolist() if hasattr(value, "tolist") else value
         if value is None or isinstance(value, str | bool):
             return value
@@ -120,34 +121,18 @@ Quantities: TypeAlias = tuple[Quantity[T_contra], ...]
 """All numbers of a kind of object that a table or a part of the summary has."""
 
 
-def getter(of: str | Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return a function as it is, or one that follows a path of attributes, keys and numbers of entries, ``"head.3"``.
+def of_part(part: Callable[[Whole], Part | None], *quantities: Quantity[Part]) -> Quantities[Whole]:
+    """Return quantities of a part as those of the whole; None where the whole does not have the part."""
 
-    What it returns is None where something on the way is None.
-    """
-    return partial(_at, of.split(".")) if isinstance(of, str) else of
-
-
-def _at(path: Sequence[str], source: Any) -> Any:
-    for name in path:
-        if isinstance(source, Mapping):
-            source = source.get(name)
-        elif source is not None:
-            source = source[int(name)] if name.isdigit() else getattr(source, name)
-    return source
-
-
-def of_part(part: str | Callable[[Any], Any], quantity: Quantity[Any]) -> Quantity[Any]:
-    """Return the quantity of a part as one of the whole; None where the whole does not have the part.
-
-    - `part`: path to it, or function of the whole that returns it, see `getter`.
-    """
-
-    def of(function: Callable[[Any], Any], whole: Any) -> Any:
-        value = getter(part)(whole)
+    def of(function: Callable[[Part], Any], whole: Any) -> Any:
+        value = part(whole)
         return None if value is None else function(value)
 
-    return replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))
+    of_whole: Quantities[Any] = tuple(
+        replace(quantity, of=partial(of, quantity.value), factor=1.0, remark=partial(of, quantity.remark))
+        for quantity in quantities
+    )
+    return of_whole
 
 
 def key_unit(unit: str) -> str:

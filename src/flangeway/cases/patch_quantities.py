@@ -18,7 +18,7 @@ from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeRed
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages, CreepForces, Rolling
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
-from flangeway.quantities import Quantity, getter
+from flangeway.quantities import Quantity
 from flangeway.types import Floats
 
 # --- Inputs of friction that a rolling patch and a wheelset share: how it falls, what it warms, and surface layers.
@@ -106,12 +106,17 @@ class EllipticPatch(Protocol):
 
 
 MAX_PRESSURE: Quantity[EllipticPatch] = Quantity(
-    "max_pressure", "maximum pressure", "ellipse.max_pressure", "MPa", ".1f", remark=lambda p: p.remark
+    "max_pressure",
+    "maximum pressure",
+    lambda patch: patch.ellipse.max_pressure,
+    "MPa",
+    ".1f",
+    remark=lambda p: p.remark,
 )
 HERTZ_PRESSURE: Quantity[EllipticPatch] = Quantity(
     "hertz_pressure",
     "  Hertz",
-    "hertz.max_pressure",
+    lambda p: p.hertz and p.hertz.max_pressure,
     "MPa",
     ".1f",
     meaning="maximum pressure of half-spaces with the same force and curvatures; none where these vary too much",
@@ -119,14 +124,20 @@ HERTZ_PRESSURE: Quantity[EllipticPatch] = Quantity(
 AXES: Quantity[EllipticPatch] = Quantity(
     "semi_axes",
     "semi-axis",
-    "ellipse.semi_axes",
+    lambda patch: patch.ellipse.semi_axes,
     "mm",
     ".3f",
     SEMI_AXES,
     "a is the longer one, of the ellipse with the same second moments of pressure as Hertz's",
 )
 HERTZ_AXES: Quantity[EllipticPatch] = Quantity(
-    "hertz_semi_axes", "  Hertz", "hertz.semi_axes", "mm", ".3f", SEMI_AXES, "as Hertz's pressure"
+    "hertz_semi_axes",
+    "  Hertz",
+    lambda p: p.hertz and p.hertz.semi_axes,
+    "mm",
+    ".3f",
+    SEMI_AXES,
+    "as Hertz's pressure",
 )
 ANGLE: Quantity[EllipticPatch] = Quantity(
     "angle",
@@ -136,8 +147,8 @@ ANGLE: Quantity[EllipticPatch] = Quantity(
     "z.1f",
     meaning="from z to the major axis",
 )
-AREA: Quantity[EllipticPatch] = Quantity("area", "area", "ellipse.area", "mm²", ".2f")
-CELLS: Quantity[Any] = Quantity("cells", "cells", "ellipse.cells", "", "d", ON_SURFACE)
+AREA: Quantity[EllipticPatch] = Quantity("area", "area", lambda patch: patch.ellipse.area, "mm²", ".2f")
+CELLS: Quantity[EllipticPatch] = Quantity("cells", "cells", lambda patch: patch.ellipse.cells, "", "d", ON_SURFACE)
 
 
 # --- Numbers of patches that roll with friction: by one theory, on one body, ahead and to the right.
@@ -184,10 +195,9 @@ class CreepResult:
         return 1e-3 * self.sign * self.forces.moment
 
     @property
-    def t_gamma(self) -> tuple[float, float, float] | None:
-        """T-gamma: power over speed; creep forces times creepages without, and with, spin; N. None for a shift."""
-        without, by_spin = self.forces.products(self.creepages)
-        return (self.forces.t_gamma, without, without + by_spin) if self.rolls else None
+    def products(self) -> tuple[float, float]:
+        """Creep forces times creepages, and spin moment times spin, N."""
+        return self.forces.products(self.creepages)
 
     @property
     def cells(self) -> Rolling | SimplifiedRolling | None:
@@ -200,15 +210,15 @@ class CreepResult:
         cells = self.cells
         return None if cells is None else float((cells.states[cells.states != NO_CONTACT] == SLIPS).mean())
 
-    def maximum(self, values: str | Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
+    def maximum(self, values: Callable[[Rolling | SimplifiedRolling], Floats]) -> float | None:
         """Maximum magnitude over the cells; None of theories without tractions."""
         cells = self.cells
-        return None if cells is None else float(np.linalg.norm(np.atleast_3d(getter(values)(cells)), axis=2).max())
+        return None if cells is None else float(np.linalg.norm(np.atleast_3d(values(cells)), axis=2).max())
 
     @property
     def max_slip(self) -> float | None:
         """Maximum slip velocity, m/s, of a shift the slip, mm."""
-        slip = self.maximum("slip_velocities")
+        slip = self.maximum(lambda cells: cells.slip_velocities)
         return None if slip is None else self.scale * slip
 
     @property
@@ -229,17 +239,17 @@ class CreepResult:
 Creep = Quantity[CreepResult]
 
 
-def _if_rolling(rolls: bool, value: str | Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
+def _if_rolling(rolls: bool, value: Callable[[CreepResult], Any]) -> Callable[[CreepResult], Any]:
     """A number that only rolling has, or only a shift."""
-    return lambda creep: getter(value)(creep) if creep.rolls == rolls else None
+    return lambda creep: value(creep) if creep.rolls == rolls else None
 
 
 _rolling, _shifting = partial(_if_rolling, True), partial(_if_rolling, False)
 
 
-THEORY: Creep = Quantity("theory", "theory", "theory")
+THEORY: Creep = Quantity("theory", "theory", lambda creep: creep.theory)
 LONGITUDINAL_CREEPAGE: Creep = Quantity(
-    "longitudinal_creepage", "longitudinal creepage", _rolling("creepages.along"), form="z.4%"
+    "longitudinal_creepage", "longitudinal creepage", _rolling(lambda creep: creep.creepages.along), form="z.4%"
 )
 LATERAL_CREEPAGE: Creep = Quantity(
     "lateral_creepage", "lateral creepage", _rolling(lambda f: f.sign * f.creepages.across), form="z.4%"
@@ -249,12 +259,12 @@ SPIN_CREEPAGE: Creep = Quantity(
 )
 CREEPAGES = (LONGITUDINAL_CREEPAGE, LATERAL_CREEPAGE, SPIN_CREEPAGE)
 LONGITUDINAL_FORCE: Creep = Quantity(
-    "longitudinal_force", "longitudinal force", "forces.along", "kN", "z.4f", factor=1e-3
+    "longitudinal_force", "longitudinal force", lambda creep: creep.forces.along, "kN", "z.4f", factor=1e-3
 )
 LATERAL_FORCE: Creep = Quantity(
     "lateral_force", "lateral force", lambda f: f.sign * f.forces.across, "kN", "z.4f", factor=1e-3
 )
-SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", "moment", "Nm", "z.3f")
+SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", lambda creep: creep.moment, "Nm", "z.3f")
 FORCES = (LONGITUDINAL_FORCE, LATERAL_FORCE, SPIN_MOMENT)
 TRACTION: Creep = Quantity(
     "traction_coefficient",
@@ -264,37 +274,46 @@ TRACTION: Creep = Quantity(
     meaning="ratio of creep force to normal force",
 )
 T_GAMMA: Creep = Quantity(
-    "t_gamma", "T-gamma", "t_gamma.0", "N", "z.3f", meaning="frictional power divided by the speed"
+    "t_gamma",
+    "T-gamma",
+    _rolling(lambda f: f.forces.t_gamma),
+    "N",
+    "z.3f",
+    meaning="frictional power divided by the speed",
 )
 T_GAMMAS: tuple[Creep, ...] = (
     T_GAMMA,
-    Quantity("t_gamma_without_spin", "  forces times creepages", "t_gamma.1", "N", "z.3f"),
-    Quantity("t_gamma_with_spin", "  and spin moment times spin", "t_gamma.2", "N", "z.3f"),
+    Quantity("t_gamma_without_spin", "  forces times creepages", _rolling(lambda f: f.products[0]), "N", "z.3f"),
+    Quantity("t_gamma_with_spin", "  and spin moment times spin", _rolling(lambda f: sum(f.products)), "N", "z.3f"),
 )
-SLIP_AREA: Creep = Quantity("slipping_share", "slip area", "slip_fraction", form=".1%")
-MAX_TRACTION: Creep = Quantity("max_traction", "maximum traction", lambda f: f.maximum("tractions"), "MPa", ".1f")
+SLIP_AREA: Creep = Quantity("slipping_share", "slip area", lambda creep: creep.slip_fraction, form=".1%")
+MAX_TRACTION: Creep = Quantity(
+    "max_traction", "maximum traction", lambda f: f.maximum(lambda c: c.tractions), "MPa", ".1f"
+)
 FIELDS: tuple[Creep, ...] = (
     SLIP_AREA,
     MAX_TRACTION,
-    Quantity("max_slip_velocity", "maximum slip velocity", _rolling("max_slip"), "m/s", ".4f"),
+    Quantity("max_slip_velocity", "maximum slip velocity", _rolling(lambda creep: creep.max_slip), "m/s", ".4f"),
     Quantity(
         "flash_temperature",
         "maximum flash temperature",
-        "flash_temperature",
+        lambda creep: creep.flash_temperature,
         "K",
         ".1f",
         meaning="temperature of the surfaces in contact above that without friction",
     ),
-    Quantity("max_power_density", "maximum frictional power density", "power_density", "W/mm²", "z.2f"),
+    Quantity(
+        "max_power_density", "maximum frictional power density", lambda creep: creep.power_density, "W/mm²", "z.2f"
+    ),
 )
 """What theories with tractions have."""
 BY_THEORY: tuple[Creep, ...] = (THEORY, *CREEPAGES, *FORCES, *T_GAMMAS)
 SHIFT: tuple[Creep, ...] = (
-    Quantity("shift_ahead", "shift ahead", _shifting("creepages.along"), "mm", "z.6f"),
+    Quantity("shift_ahead", "shift ahead", _shifting(lambda creep: creep.creepages.along), "mm", "z.6f"),
     Quantity("shift_right", "shift to the right", _shifting(lambda f: f.sign * f.creepages.across), "mm", "z.6f"),
     Quantity("shift_rotation", "rotation", _shifting(lambda f: 1e3 * f.sign * f.creepages.spin), "mrad", "z.4f"),
-    Quantity("max_slip", "maximum slip", _shifting("max_slip"), "mm", ".6f"),
-    Quantity("dissipated", "work of friction", _shifting("forces.frictional_power"), "N mm", ".4g"),
+    Quantity("max_slip", "maximum slip", _shifting(lambda creep: creep.max_slip), "mm", ".6f"),
+    Quantity("dissipated", "work of friction", _shifting(lambda creep: creep.forces.frictional_power), "N mm", ".4g"),
 )
 POWER: Creep = Quantity(
     "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", "z.1f"

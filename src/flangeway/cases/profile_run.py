@@ -14,7 +14,7 @@ from flangeway.cases.rigid_run import conicities_of, find_geometry_case
 from flangeway.cases.wheelset.wheelset_inputs import USUAL_BODIES, with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.quantities import Quantities, Quantity, columns, getter, of_part, values
+from flangeway.quantities import Quantities, Quantity, columns, of_part, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import (
@@ -36,6 +36,7 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     sections_of,
 )
+from flangeway.railway.profiles.smoothing import Smoothing
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadiusDifference
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve
@@ -127,9 +128,9 @@ class ProfileRun(Result):
         return ResultTable.of_numbers(values(QUANTITIES, self))
 
 
-def _how(key: str, read: str | Callable[[Orientation], str]) -> Callable[[ProfileRun], str]:
+def _how(key: str, read: Callable[[Orientation], str]) -> Callable[[ProfileRun], str]:
     """Return how a property of the file was interpreted, and where that comes from."""
-    return lambda run: f"{getter(read)(run.profile.orientation)} ({run.profile.orientation.how[key]})"
+    return lambda run: f"{read(run.profile.orientation)} ({run.profile.orientation.how[key]})"
 
 
 def _radius(run: ProfileRun, sign: float) -> float | None:
@@ -147,8 +148,12 @@ def _worn_more_at(run: ProfileRun) -> str | None:
     return "neither" if side is None else f"{side.name}, by {side.more_mm:.2f} mm ({side.measure})"
 
 
+def _measure(key: str, label: str) -> Quantity[ProfileRun]:
+    return Quantity(key, label, lambda run: run.measures.get(f"{key}_mm"), "mm", ".3f")
+
+
 MEASURES: Quantities[ProfileRun] = tuple(
-    Quantity(key, label, f"measures.{key}_mm", "mm", ".3f")
+    _measure(key, label)
     for key, label in {
         "flange_height": "flange height Sh",
         "flange_thickness": "flange thickness Sd",
@@ -161,30 +166,39 @@ MEASURES: Quantities[ProfileRun] = tuple(
     }.items()
 )
 """Gauge measures of wheels (EN 15313), and of heads: widths 14 mm below the top, drops 25 mm beside the middle."""
+
+
+def _smoothing(run: ProfileRun) -> Smoothing | None:
+    return run.profile.smoothing
+
+
 QUANTITIES: Quantities[ProfileRun] = (
-    Quantity("kind", "kind", _how("kind", "kind")),
-    Quantity("format", "format", "profile.format"),
-    Quantity("unit", "unit of the file", _how("unit", "unit")),
+    Quantity("kind", "kind", _how("kind", lambda taken: taken.kind)),
+    Quantity("format", "format", lambda run: run.profile.format),
+    Quantity("unit", "unit of the file", _how("unit", lambda taken: taken.unit)),
     Quantity("vertical_axis", "vertical axis in the file", _how("up", lambda t: f"positive {VERTICAL[t.upwards]}")),
     Quantity("mirrored", "mirrored", _how("side", lambda taken: "yes" if taken.mirrored else "no")),
-    Quantity("origin", "origin of the file", _how("origin", "origin")),
-    Quantity("tape", "tape line from the flange's back", "profile.orientation.tape_mm", "mm", "g"),
+    Quantity("origin", "origin of the file", _how("origin", lambda taken: taken.origin)),
+    Quantity("tape", "tape line from the flange's back", lambda run: run.profile.orientation.tape_mm, "mm", "g"),
     Quantity("points", "points", lambda run: len(run.profile.points), form="d"),
-    Quantity("arcs", "lines and arcs", "profile.surface.n_segments", form="d"),
-    Quantity("length", "arc length", "running.length", "mm", ".3f"),
+    Quantity("arcs", "lines and arcs", lambda run: run.profile.surface.n_segments, form="d"),
+    Quantity("length", "arc length", lambda run: run.running.length, "mm", ".3f"),
     Quantity("minimum", "minimum", lambda run: run.running.bounds()[0], "mm", "z.3f", ("x", "y")),
     Quantity("maximum", "maximum", lambda run: run.running.bounds()[1], "mm", "z.3f", ("x", "y")),
     Quantity("minimum_convex_radius", "minimum convex radius", lambda run: _radius(run, 1.0), "mm"),
     Quantity("minimum_concave_radius", "minimum concave radius", lambda run: _radius(run, -1.0), "mm"),
     *MEASURES,
     Quantity("worn_more_at", "worn more at", _worn_more_at),
-    Quantity("noise", "noise of the points", "profile.smoothing.noise_um", "μm", ".3g"),
-    Quantity("wavelength", "smoothed by a wavelength of", "profile.smoothing.wavelength_mm", "mm", "g"),
-    Quantity("rms_deviation", "deviation, root mean square", "profile.smoothing.rms_um", "μm", ".2f"),
-    Quantity("maximum_deviation", "deviation, maximum", "profile.smoothing.maximum_um", "μm", ".2f"),
-    Quantity("limit", "limit of the deviation", "profile.smoothing.limit_um", "μm", ".3g"),
-    Quantity("points_at_limit", "points at the limit", "profile.smoothing.n_held", form="d"),
-    Quantity("joined_to", "joined to", "join.nominal.title"),
+    *of_part(
+        _smoothing,
+        Quantity("noise", "noise of the points", lambda smoothing: smoothing.noise_um, "μm", ".3g"),
+        Quantity("wavelength", "smoothed by a wavelength of", lambda smoothing: smoothing.wavelength_mm, "mm", "g"),
+        Quantity("rms_deviation", "deviation, root mean square", lambda smoothing: smoothing.rms_um, "μm", ".2f"),
+        Quantity("maximum_deviation", "deviation, maximum", lambda smoothing: smoothing.maximum_um, "μm", ".2f"),
+        Quantity("limit", "limit of the deviation", lambda smoothing: smoothing.limit_um, "μm", ".3g"),
+        Quantity("points_at_limit", "points at the limit", lambda smoothing: smoothing.n_held, form="d"),
+    ),
+    Quantity("joined_to", "joined to", lambda run: run.join and run.join.nominal.title),
     Quantity(
         "gap",
         "gap to nominal",
@@ -200,7 +214,7 @@ QUANTITIES: Quantities[ProfileRun] = (
         "mm²",
         ".1f",
     ),
-    Quantity("area", "area of the whole section", "body.outline.area", "mm²", ".1f"),
+    Quantity("area", "area of the whole section", lambda run: run.body and run.body.outline.area, "mm²", ".1f"),
 )
 """What is reported of a profile; what there is not is None."""
 
@@ -379,17 +393,22 @@ the tape line, and what it is thinner. Rails: what the top is lower than the nom
 base or from the top of the new rail; and what the head is narrower than the nominal one at the depth below its top at
 which gauges are measured (EN 13848-1).
 """
+
+
+def _wear(key: str, label: str) -> Quantity[FolderProfile]:
+    return Quantity(key, label, lambda profile: profile.wear_mm.get(key), "mm", "z.2f")
+
+
+_MAIN_MEASURES: Quantities[FolderProfile] = of_part(
+    lambda profile: profile.run, *(replace(measure, form="z.2f") for measure in MEASURES[:4])
+)
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
-    Quantity("file", "file", "file"),
-    Quantity("kind", "kind", "run.profile.kind"),
-    Quantity("nominal", "nominal", "nominal"),
-    *(replace(of_part("run", measure), form="z.2f") for measure in MEASURES[:4]),
-    *(
-        Quantity[Any](key, label, f"wear_mm.{key}", "mm", "z.2f")
-        for words in WEAR.values()
-        for key, label in words.items()
-    ),
-    Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", "conicity", form=".3f"),
+    Quantity("file", "file", lambda profile: profile.file),
+    Quantity("kind", "kind", lambda profile: profile.run.profile.kind),
+    Quantity("nominal", "nominal", lambda profile: profile.nominal),
+    *_MAIN_MEASURES,
+    *(_wear(key, label) for words in WEAR.values() for key, label in words.items()),
+    Quantity("conicity", f"conicity at {REFERENCE_AMPLITUDE_MM:g} mm", lambda profile: profile.conicity, form=".3f"),
 )
 """What is reported of each profile."""
 

@@ -271,22 +271,22 @@ class LoadedContact(NamedTuple):
 
 
 CONTACT_QUANTITIES: Quantities[LoadedContact] = (
-    Quantity("side", "side", "point.side"),
-    Quantity("normal_force", "normal force", "point.normal_force_N", "kN", ".2f", factor=1e-3),
+    Quantity("side", "side", lambda at: at.point.side),
+    Quantity("normal_force", "normal force", lambda at: at.point.normal_force_N, "kN", ".2f", factor=1e-3),
     Quantity("contact_angle", "contact angle", lambda at: math.degrees(at.point.contact_angle_rad), "deg", ".2f"),
-    Quantity("wheel_point", "point of the wheel", "point.wheel_point_mm", "mm", "z.2f", ("x", "y")),
-    Quantity("rail_point", "point of the rail", "point.rail_point_mm", "mm", "z.2f", ("x", "y")),
-    Quantity("rolling_radius", "rolling radius", "point.rolling_radius_mm", "mm", ".2f"),
-    Quantity("ahead_of_axle", "longitudinal position of contact", "point.ahead_mm", "mm", "z.2f"),
-    Quantity("relative_curvature", "relative curvature", "point.relative_curvature_per_mm", "1/mm"),
-    Quantity("hertz_half_width", "Hertz: half width", "hertz.half_width", "mm"),
-    Quantity("hertz_max_pressure", "Hertz: maximum pressure", "hertz.max_pressure", "MPa"),
+    Quantity("wheel_point", "point of the wheel", lambda at: at.point.wheel_point_mm, "mm", "z.2f", ("x", "y")),
+    Quantity("rail_point", "point of the rail", lambda at: at.point.rail_point_mm, "mm", "z.2f", ("x", "y")),
+    Quantity("rolling_radius", "rolling radius", lambda at: at.point.rolling_radius_mm, "mm", ".2f"),
+    Quantity("ahead_of_axle", "longitudinal position of contact", lambda at: at.point.ahead_mm, "mm", "z.2f"),
+    Quantity("relative_curvature", "relative curvature", lambda at: at.point.relative_curvature_per_mm, "1/mm"),
+    Quantity("hertz_half_width", "Hertz: half width", lambda at: at.hertz and at.hertz.half_width, "mm"),
+    Quantity("hertz_max_pressure", "Hertz: maximum pressure", lambda at: at.hertz and at.hertz.max_pressure, "MPa"),
 )
 """Numbers of a point of contact."""
 POSITION_QUANTITIES: Quantities[RigidPosition] = (
-    Quantity("lateral", "lateral position", "motion_in_space.lateral_mm", "mm", "z.3f"),
-    Quantity("vertical", "vertical position", "motion_in_space.vertical_mm", "mm", "z.4f"),
-    Quantity("roll", "roll", "motion_in_space.roll_rad", "mrad", "z.4f", factor=1e3),
+    Quantity("lateral", "lateral position", lambda at: at.motion_in_space.lateral_mm, "mm", "z.3f"),
+    Quantity("vertical", "vertical position", lambda at: at.motion_in_space.vertical_mm, "mm", "z.4f"),
+    Quantity("roll", "roll", lambda at: at.motion_in_space.roll_rad, "mrad", "z.4f", factor=1e3),
     Quantity(
         "lateral_over_vertical",
         "L/V",
@@ -300,13 +300,13 @@ CONICITY_QUANTITIES: Quantities["GeometryRun | ConicityRun"] = (
     Quantity(
         "conicity_integration",
         f"equivalent conicity at {REFERENCE_AMPLITUDE_MM:g} mm",
-        "conicities.at_reference.integration",
+        lambda run: (run.conicities.at_reference or {}).get("integration"),
         form=".4f",
     ),
     Quantity(
         "conicity_regression",
         "  by linear regression",
-        "conicities.at_reference.regression",
+        lambda run: (run.conicities.at_reference or {}).get("regression"),
         form=".4f",
     ),
 )

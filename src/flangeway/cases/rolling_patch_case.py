@@ -185,14 +185,14 @@ MAX_PRESSURE: Quantity[RollingPatchRun] = Quantity(
     "max_pressure", "maximum pressure", lambda run: run.contact.pressures.max(), "MPa", ".1f"
 )
 PATCH: Quantities[RollingPatchRun] = (
-    Quantity("force", "normal force", "contact.force", "kN", ".3f", factor=1e-3),
-    Quantity("semi_axis_along", "semi-axis along", "semi_axes.0", "mm", ".3f"),
-    Quantity("semi_axis_across", "semi-axis across", "semi_axes.1", "mm", ".3f"),
+    Quantity("force", "normal force", lambda run: run.contact.force, "kN", ".3f", factor=1e-3),
+    Quantity("semi_axis_along", "semi-axis along", lambda run: run.semi_axes[0], "mm", ".3f"),
+    Quantity("semi_axis_across", "semi-axis across", lambda run: run.semi_axes[1], "mm", ".3f"),
     MAX_PRESSURE,
     Quantity("cells", "", lambda run: [part.stop - part.start for part in run.contact.box], parts=ON_SURFACE),
 )
 ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
-    "energy_error", "frictional power less forces times creepages, relative", "energy_error", form=".1e"
+    "energy_error", "frictional power less forces times creepages, relative", lambda run: run.energy_error, form=".1e"
 )
 STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
 

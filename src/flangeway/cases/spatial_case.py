@@ -89,23 +89,32 @@ class SpatialBodyResult:
         return self.maximum(self.profile.stresses.tresca)
 
 
-LOAD: Quantity[PatchContact] = Quantity("load", "force", "force.1", "kN", ".5g", factor=1e-3)
+LOAD: Quantity[PatchContact] = Quantity("load", "force", lambda contact: contact.force[1], "kN", ".5g", factor=1e-3)
 """The force as it is given; the summary has its components."""
-APPROACH: Quantity[PatchContact] = Quantity("approach", "approach from first touch", "approach", "mm", ".5g")
+APPROACH: Quantity[PatchContact] = Quantity(
+    "approach", "approach from first touch", lambda contact: contact.approach, "mm", ".5g"
+)
 CONTACT: Quantities[PatchContact] = (
-    Quantity("force", "force on the upper body", "force", "N", "z.1f", ("x", "y")),
+    Quantity("force", "force on the upper body", lambda contact: contact.force, "N", "z.1f", ("x", "y")),
     APPROACH,
     Quantity(
         *("cell", "size of the cells", lambda c: (float(c.pair.grid.widths.mean()), c.pair.grid.strip), "mm"),
         parts=ON_SURFACE,
     ),
-    Quantity("cells", "cells of the grid", "loaded.shape", "", "d", ON_SURFACE),
-    Quantity("gap_error", "", "closed_error", meaning="gap under pressure relative to the approach"),
-    Quantity("overlap_error", "", "overlap", meaning="overlap outside of the patch relative to the approach"),
+    Quantity("cells", "cells of the grid", lambda contact: contact.loaded.shape, "", "d", ON_SURFACE),
+    Quantity(
+        "gap_error", "", lambda contact: contact.closed_error, meaning="gap under pressure relative to the approach"
+    ),
+    Quantity(
+        "overlap_error",
+        "",
+        lambda contact: contact.overlap,
+        meaning="overlap outside of the patch relative to the approach",
+    ),
 )
 PATCH: Quantities[SpatialPatchResult] = (
-    Quantity("force", "force", "ellipse.force", "N", "z.1f", ("x", "y")),
-    Quantity("centre", "centre of pressure", "ellipse.centre", "mm", "z.3f", ("x", "y", "z")),
+    Quantity("force", "force", lambda patch: patch.ellipse.force, "N", "z.1f", ("x", "y")),
+    Quantity("centre", "centre of pressure", lambda patch: patch.ellipse.centre, "mm", "z.3f", ("x", "y", "z")),
     MAX_PRESSURE,
     HERTZ_PRESSURE,
     AXES,
@@ -117,25 +126,25 @@ PATCH: Quantities[SpatialPatchResult] = (
 MAX_VON_MISES: Quantity[SpatialBodyResult] = Quantity(
     "max_von_mises",
     "maximum von Mises stress",
-    "von_mises.0",
+    lambda body: body.von_mises[0],
     "MPa",
     ".1f",
     meaning="on the normal below the centre of the first patch",
 )
 BODY: Quantities[SpatialBodyResult] = (
-    Quantity("name", "", "name"),
-    Quantity("elements", "elements", "body.problem.elasticity.space.mesh.n_cells", form=","),
+    Quantity("name", "", lambda body: body.name),
+    Quantity("elements", "elements", lambda body: body.body.problem.elasticity.space.mesh.n_cells, form=","),
     Quantity(  # of each wavenumber
-        "unknowns", "unknowns", "body.problem.elasticity.space.n_dofs", form=",", factor=3
+        "unknowns", "unknowns", lambda body: body.body.problem.elasticity.space.n_dofs, form=",", factor=3
     ),
     Quantity(
         "wavenumbers", "wavenumbers", lambda body: len(body.contact.pair.tables[body.number].wavenumbers), form="d"
     ),
     Quantity("interpolation_error", "", lambda body: body.contact.pair.tables[body.number].error),
     MAX_VON_MISES,
-    Quantity("max_von_mises_depth", "  at the depth", "von_mises.1", "mm", ".3f"),
-    Quantity("max_tresca", "maximum Tresca stress", "tresca.0", "MPa", ".1f"),
-    Quantity("max_tresca_depth", "  at the depth", "tresca.1", "mm", ".3f"),
+    Quantity("max_von_mises_depth", "  at the depth", lambda body: body.von_mises[1], "mm", ".3f"),
+    Quantity("max_tresca", "maximum Tresca stress", lambda body: body.tresca[0], "MPa", ".1f"),
+    Quantity("max_tresca_depth", "  at the depth", lambda body: body.tresca[1], "mm", ".3f"),
 )
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -155,7 +154,7 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
 
 def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:
     """Maximum pressure and T-gamma of each state on new and worn profiles."""
-    quantities: list[Quantity[Any]] = [Quantity("state", "state", "0.name")]
+    quantities: list[Quantity[Sequence[StateDamage]]] = [Quantity("state", "state", lambda states: states[0].name)]
     for number, word in enumerate(("new", "worn")):
         pressure = partial(_max_pressure, number)
         energy = partial(_t_gamma, number)

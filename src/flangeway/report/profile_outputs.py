@@ -262,8 +262,8 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
 
 def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "metric") -> Record:
     """Return the measures of several profiles side by side; `command` reads them again."""
-    title: Quantity[ProfileRun] = Quantity("title", "profile", "profile.title")
-    kind: Quantity[ProfileRun] = Quantity("kind", "kind", "profile.kind")
+    title: Quantity[ProfileRun] = Quantity("title", "profile", lambda run: run.profile.title)
+    kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
     chosen = [quantity for quantity in QUANTITIES if quantity.key in BATCH]
     shown = [quantity for quantity in MEASURES[:4] if any(quantity.value(run) is not None for run in runs)]
     return Record(

@@ -168,11 +168,12 @@ ASSUMPTIONS = (
 )
 
 
-PAIR_QUANTITIES: Quantities[Any] = (
+_POSITION: Quantities[GeometryRun] = of_part(lambda run: run.equilibrium.position, *POSITION_QUANTITIES)
+PAIR_QUANTITIES: Quantities[GeometryRun] = (
     Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
     Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
     *CONICITY_QUANTITIES,
-    *(of_part("equilibrium.position", quantity) for quantity in POSITION_QUANTITIES),
+    *_POSITION,
     Quantity("jumps", "contact jumps", lambda run: len(run.jumps), form="d"),
     Quantity("status", "status", lambda run: "converged" if run.equilibrium.status.converged else "not converged"),
 )
@@ -180,8 +181,8 @@ PAIR_QUANTITIES: Quantities[Any] = (
 
 
 JUMP: Quantities[ContactJump] = (
-    Quantity("side", "side", "side"),
-    Quantity("lateral", "lateral displacement", "motion.lateral_mm", "mm", ".3f"),
+    Quantity("side", "side", lambda jump: jump.side),
+    Quantity("lateral", "lateral displacement", lambda jump: jump.motion.lateral_mm, "mm", ".3f"),
     Quantity(
         "rail_x", "x on the rail", lambda jump: [x for x, _ in jump.rail_points_mm], "mm", ".2f", ("before", "after")
     ),

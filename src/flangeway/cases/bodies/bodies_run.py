@@ -150,14 +150,14 @@ class SupportForce:
 
 
 MAX_DISPLACEMENT: Quantity[BodyResult] = Quantity(
-    "max_displacement", "maximum displacement", "max_displacement", "mm", ".6g"
+    "max_displacement", "maximum displacement", lambda body: body.max_displacement, "mm", ".6g"
 )
 MAX_VON_MISES: Quantity[BodyResult] = Quantity(
     "max_von_mises", "maximum von Mises stress", lambda body: body.stresses.von_mises.max(), "MPa", ".6g"
 )
 BODY: Quantities[BodyResult] = (
-    Quantity("name", "body", "field.problem.name"),
-    Quantity("elements", "elements", "field.space.mesh.n_cells", form=","),
+    Quantity("name", "body", lambda body: body.field.problem.name),
+    Quantity("elements", "elements", lambda body: body.field.space.mesh.n_cells, form=","),
     Quantity("unknowns", "unknowns", lambda body: 2 * body.field.space.n_nodes, form=","),
     MAX_DISPLACEMENT,
     MAX_VON_MISES,
@@ -170,28 +170,32 @@ BODY: Quantities[BodyResult] = (
     ),
 )
 FORCES: Quantities[BodyResult] = (
-    Quantity("body", "body", "field.problem.name"),
-    Quantity("contact", "contact", "contact_force", "N", "z.6g", XY),
-    Quantity("loads", "loads", "load", "N", "z.6g", XY),
-    Quantity("supports", "supports", "supports_force", "N", "z.6g", XY),
+    Quantity("body", "body", lambda body: body.field.problem.name),
+    Quantity("contact", "contact", lambda body: body.contact_force, "N", "z.6g", XY),
+    Quantity("loads", "loads", lambda body: body.load, "N", "z.6g", XY),
+    Quantity("supports", "supports", lambda body: body.supports_force, "N", "z.6g", XY),
 )
-HALF_WIDTH: Quantity[PressurePatch] = Quantity("half_width", "half width of contact", "half_width", "mm", ".6g")
+HALF_WIDTH: Quantity[PressurePatch] = Quantity(
+    "half_width", "half width of contact", lambda patch: patch.half_width, "mm", ".6g"
+)
 PATCH_PRESSURE: Quantity[PressurePatch] = Quantity(
     "max_pressure", "maximum pressure", lambda patch: patch.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark
 )
-REMARK: Quantity[Any] = Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate")
-AT_EDGE: Quantity[PressurePatch] = Quantity("reaches_an_end", "reaches an end of the surface", "at_edge")
+REMARK: Quantity[Any] = Quantity("max_pressure_remark", "", lambda of: of.remark, meaning="why it is approximate")
+AT_EDGE: Quantity[PressurePatch] = Quantity(
+    "reaches_an_end", "reaches an end of the surface", lambda patch: patch.at_edge
+)
 PATCH: Quantities[PressurePatch] = (
-    Quantity("centre", "centre of pressure", "centre", "mm", "z.6g", XY),
+    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", "z.6g", XY),
     HALF_WIDTH,
     PATCH_PRESSURE,
     REMARK,
-    Quantity("force", "force on the secondary body", "force", "N", "z.6g", XY),
+    Quantity("force", "force on the secondary body", lambda patch: patch.force, "N", "z.6g", XY),
     AT_EDGE,
 )
 SIDES: Quantities[PairResult] = (
-    Quantity("secondary", "secondary", "sides.0"),
-    Quantity("primary", "primary", "sides.1"),
+    Quantity("secondary", "secondary", lambda pair: pair.sides[0]),
+    Quantity("primary", "primary", lambda pair: pair.sides[1]),
 )
 MAX_PRESSURE: Quantity[PairResult] = Quantity(
     "max_pressure",
@@ -210,13 +214,15 @@ PAIR: Quantities[PairResult] = (
     MAX_PRESSURE,
     REMARK,
 )
-STICKING: Quantity[PairResult] = Quantity("sticking_share", "sticking fraction", "sticking_share", form=".3f")
+STICKING: Quantity[PairResult] = Quantity(
+    "sticking_share", "sticking fraction", lambda pair: pair.sticking_share, form=".3f"
+)
 DISSIPATED: Quantity[PairResult] = Quantity(
     "dissipated", "dissipated work", lambda pair: pair.solution.dissipated_by_contact[pair.number], "N mm", ".6g"
 )
 FRICTION: Quantities[PairResult] = (
     *SIDES,
-    Quantity("coefficient", "coefficient", "contact.friction_coefficient", form="g"),
+    Quantity("coefficient", "coefficient", lambda pair: pair.contact.friction_coefficient, form="g"),
     Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", "z.6g"),
     Quantity(
         *("max_traction", "maximum traction"), lambda p: np.abs(p.nodes["traction"]).max(initial=0.0), "MPa", ".6g"
@@ -231,9 +237,9 @@ FRICTION: Quantities[PairResult] = (
     DISSIPATED,
 )
 REACTION: Quantities[SupportForce] = (
-    Quantity("number", "support", "number", form="d"),
-    Quantity("body", "body", "body"),
-    Quantity("force", "force on it", "force", "N", "z.6g", XY),
+    Quantity("number", "support", lambda support: support.number, form="d"),
+    Quantity("body", "body", lambda support: support.body),
+    Quantity("force", "force on it", lambda support: support.force, "N", "z.6g", XY),
 )
 
 
@@ -444,7 +450,7 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
             return (
                 Quantity("pushed_body", "pushed body", lambda _: push.parts[0].name),
                 Quantity("push", "push", lambda _: push.load[:2], "N", "z.6g", XY),
-                Quantity("pushed", "displacement by the push", "pushed_mm", "mm", ".6g"),
+                Quantity("pushed", "displacement by the push", lambda run: run.pushed_mm, "mm", ".6g"),
             )
         bodies = [part.body for part in run.contact.system.parts]
         sliding = [body.name for body in bodies if len(body.freedom.axes) == 1 and body.supported.any()]

@@ -72,21 +72,33 @@ def _hertz(run: BodiesRun) -> LineContact:
 
 
 HERTZ: Quantities[BodiesRun] = (
-    *(of_part(_fullest, quantity) for quantity in (PATCH_PRESSURE, REMARK)),
-    Quantity("hertz_max_pressure", "maximum pressure, Hertz", "theory.max_pressure", "MPa", ".6g"),
+    *of_part(_fullest, PATCH_PRESSURE, REMARK),
+    Quantity(
+        "hertz_max_pressure",
+        "maximum pressure, Hertz",
+        lambda run: _hertz(run).max_pressure,
+        "MPa",
+        ".6g",
+    ),
     Quantity(
         *("max_pressure_difference", "maximum pressure, relative difference"),
         lambda run: _fullest(run).pressures.max() / _hertz(run).max_pressure - 1.0,
         form=".3g",
     ),
-    of_part(_fullest, HALF_WIDTH),
-    Quantity("hertz_half_width", "half width of contact, Hertz", "theory.half_width", "mm", ".6g"),
+    *of_part(_fullest, HALF_WIDTH),
+    Quantity(
+        "hertz_half_width",
+        "half width of contact, Hertz",
+        lambda run: _hertz(run).half_width,
+        "mm",
+        ".6g",
+    ),
     Quantity(
         *("half_width_difference", "half width, relative difference"),
         lambda run: _fullest(run).half_width / _hertz(run).half_width - 1.0,
         form=".3g",
     ),
-    of_part(_fullest, AT_EDGE),
+    *of_part(_fullest, AT_EDGE),
 )
 """Numbers of a contact beside Hertz's solution."""
 

@@ -28,7 +28,7 @@ from flangeway.contact.patch.patch_contact import ContactEllipse
 from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
-from flangeway.quantities import Quantities, Quantity, column_names, getter, of_part
+from flangeway.quantities import Quantities, Quantity, column_names, of_part
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
@@ -42,6 +42,7 @@ from flangeway.railway.wheelset.plane_wheelset import (
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_newton import RolledWheelset
 from flangeway.types import Floats
 
 AnyResult = SpatialResult | WheelsetResult
@@ -245,99 +246,117 @@ class WheelResult:
         ratio = self.result.lateral_over_vertical(self.side)
         return ratio if math.isfinite(ratio) else None
 
-    def total(self, value: str | Callable[[Any], float | None]) -> float:
+    def total(self, value: Callable[[Any], float | None]) -> float:
         """Sum of a number over the patches."""
-        return math.fsum(getter(value)(patch) or 0.0 for patch in self.patches)
+        return math.fsum(value(patch) or 0.0 for patch in self.patches)
 
 
 # Position, load and residuals
 
 LATERAL: Quantity[AnyResult] = Quantity(
-    "lateral", "lateral position of the axle", "equilibrium.position.lateral_mm", "mm", "z.3f"
+    "lateral", "lateral position of the axle", lambda result: result.equilibrium.position.lateral_mm, "mm", "z.3f"
 )
-APPROACH: Quantity[AnyResult] = Quantity("approach", "approach after first touch", "approach_mm", "mm", "z.4f")
+APPROACH: Quantity[AnyResult] = Quantity(
+    "approach", "approach after first touch", lambda result: result.approach_mm, "mm", "z.4f"
+)
 MOTION: Quantities[AnyResult] = (
     LATERAL,
-    Quantity("vertical", "vertical position", "equilibrium.position.vertical_mm", "mm", "z.4f"),
-    Quantity("roll", "roll", "equilibrium.position.roll_rad", "mrad", "z.3f", factor=1e3),
+    Quantity("vertical", "vertical position", lambda result: result.equilibrium.position.vertical_mm, "mm", "z.4f"),
+    Quantity("roll", "roll", lambda result: result.equilibrium.position.roll_rad, "mrad", "z.3f", factor=1e3),
 )
 POSITION: Quantities[AnyResult] = (
     *MOTION,
     APPROACH,
-    Quantity("horizontal_in_space", "", "position_in_space.lateral_mm", "mm"),
-    Quantity("vertical_in_space", "", "position_in_space.vertical_mm", "mm"),
-    Quantity("stable", "", "equilibrium.stable", meaning="whether it comes back after a small push"),
+    Quantity("horizontal_in_space", "", lambda result: result.position_in_space.lateral_mm, "mm"),
+    Quantity("vertical_in_space", "", lambda result: result.position_in_space.vertical_mm, "mm"),
+    Quantity(
+        "stable", "", lambda result: result.equilibrium.stable, meaning="whether it comes back after a small push"
+    ),
     Quantity("reference", "", lambda _: REFERENCE),
 )
 TRACK: Quantities[Track] = (
-    Quantity("gauge", "track gauge", "gauge_mm", "mm", ".2f"),
+    Quantity("gauge", "track gauge", lambda track: track.gauge_mm, "mm", ".2f"),
     Quantity(
         "measured_gauge",
         "  of the heads as they are",
-        "measured_gauge_mm",
+        lambda track: track.measured_gauge_mm,
         "mm",
         ".2f",
         meaning="smallest distance down to the input gauge_depth_mm below the tops; none where a head ends above it",
     ),
 )
 LOAD: Quantities[WheelsetLoad] = (
-    Quantity("vertical", "", "vertical_N", "kN", factor=1e-3, meaning="weight in space"),
-    Quantity("lateral", "", "lateral_N", "kN", factor=1e-3, meaning="horizontal force in space"),
-    Quantity("tilt", "", "tilt_rad", "rad", meaning="tilt of the track"),
-    Quantity("onto_track", "load normal to the track plane", "in_track.1", "kN", ".3f", factor=1e-3),
-    Quantity("lateral_in_track", "load parallel to the track plane", "in_track.0", "kN", "z.3f", factor=1e-3),
+    Quantity("vertical", "", lambda load: load.vertical_N, "kN", factor=1e-3, meaning="weight in space"),
+    Quantity("lateral", "", lambda load: load.lateral_N, "kN", factor=1e-3, meaning="horizontal force in space"),
+    Quantity("tilt", "", lambda load: load.tilt_rad, "rad", meaning="tilt of the track"),
+    Quantity("onto_track", "load normal to the track plane", lambda load: load.in_track[1], "kN", ".3f", factor=1e-3),
+    Quantity(
+        "lateral_in_track", "load parallel to the track plane", lambda load: load.in_track[0], "kN", "z.3f", factor=1e-3
+    ),
 )
 RESIDUAL: Quantities[RelativeResiduals] = (
-    Quantity("equilibrium", "equilibrium residual", "equilibrium_residual", form=".1e"),
-    Quantity("vertical", "  vertical", "vertical_residual", form=".1e"),
-    Quantity("lateral", "  lateral", "lateral_residual", form=".1e"),
-    Quantity("moment", "  moment", "moment_residual", form=".1e"),
+    Quantity("equilibrium", "equilibrium residual", lambda residual: residual.equilibrium_residual, form=".1e"),
+    Quantity("vertical", "  vertical", lambda residual: residual.vertical_residual, form=".1e"),
+    Quantity("lateral", "  lateral", lambda residual: residual.lateral_residual, form=".1e"),
+    Quantity("moment", "  moment", lambda residual: residual.moment_residual, form=".1e"),
 )
 
 # Patches
 
-SIDE: Quantity[AnyPatch] = Quantity("side", "", "patch.side")
-REGION: Quantity[AnyPatch] = Quantity("region", "", "patch.region")
-NORMAL: Quantity[AnyPatch] = Quantity("normal_force", "normal force", "normal_force", "kN", ".2f", factor=1e-3)
+SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda patch: patch.patch.side)
+REGION: Quantity[AnyPatch] = Quantity("region", "", lambda patch: patch.patch.region)
+NORMAL: Quantity[AnyPatch] = Quantity(
+    "normal_force", "normal force", lambda patch: patch.normal_force, "kN", ".2f", factor=1e-3
+)
 FORCES: Quantities[AnyPatch] = (
     NORMAL,
-    Quantity("lateral_force", "lateral force on the wheel", "force.0", "kN", "z.3f", factor=1e-3),
-    Quantity("vertical_force", "vertical force on the wheel", "force.1", "kN", "z.3f", factor=1e-3),
+    Quantity("lateral_force", "lateral force on the wheel", lambda patch: patch.force[0], "kN", "z.3f", factor=1e-3),
+    Quantity("vertical_force", "vertical force on the wheel", lambda patch: patch.force[1], "kN", "z.3f", factor=1e-3),
 )
-CONTACT_ANGLE: Quantity[AnyPatch] = Quantity("contact_angle", "contact angle", "contact_angle", "deg", ".2f")
-ON_RAIL: Quantity[AnyPatch] = Quantity("rail_position", "position on the rail", "patch.rail_point_mm", "mm", "z.2f", XY)
+CONTACT_ANGLE: Quantity[AnyPatch] = Quantity(
+    "contact_angle", "contact angle", lambda patch: patch.contact_angle, "deg", ".2f"
+)
+ON_RAIL: Quantity[AnyPatch] = Quantity(
+    "rail_position", "position on the rail", lambda patch: patch.patch.rail_point_mm, "mm", "z.2f", XY
+)
 ON_WHEEL: Quantity[AnyPatch] = Quantity(
-    "wheel_position", "position on the wheel", "patch.wheel_point_mm", "mm", "z.2f", XY
+    "wheel_position", "position on the wheel", lambda patch: patch.patch.wheel_point_mm, "mm", "z.2f", XY
 )
-REMARK: Quantity[AnyPatch] = Quantity("max_pressure_remark", "", "remark", meaning="why it is approximate")
+REMARK: Quantity[AnyPatch] = Quantity(
+    "max_pressure_remark", "", lambda patch: patch.remark, meaning="why it is approximate"
+)
 PRESSURE: Quantity[AnyPatch] = Quantity(
-    "max_pressure", "maximum pressure", "max_pressure", "MPa", ".1f", remark=lambda p: p.remark
+    "max_pressure", "maximum pressure", lambda patch: patch.max_pressure, "MPa", ".1f", remark=lambda p: p.remark
 )
-HALF_WIDTH: Quantity[PlanePatchResult] = Quantity("half_width", "half width", "patch.pressure.half_width", "mm", ".3f")
+HALF_WIDTH: Quantity[PlanePatchResult] = Quantity(
+    "half_width", "half width", lambda patch: patch.patch.pressure.half_width, "mm", ".3f"
+)
 
 
 def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePatchResult]:
     """A stress on the normal below a plane contact, and its depth."""
     key = f"in_{role}_{name}"
     return (
-        Quantity(key, f"{label} in the {role}", f"below.{role}.{number}.value_MPa", "MPa", ".0f"),
-        Quantity(f"{key}_depth", "  at the depth", f"below.{role}.{number}.depth_mm", "mm", ".2f"),
+        Quantity(key, f"{label} in the {role}", lambda patch: patch.below[role][number].value_MPa, "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", lambda patch: patch.below[role][number].depth_mm, "mm", ".2f"),
     )
 
 
 PLANE_MAIN: Quantities[PlanePatchResult] = (
     *FORCES,
     PRESSURE,
-    Quantity("hertz_pressure", "  Hertz", "patch.hertz.max_pressure", "MPa", ".1f"),
+    Quantity("hertz_pressure", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.max_pressure, "MPa", ".1f"),
     HALF_WIDTH,
-    Quantity("hertz_half_width", "  Hertz", "patch.hertz.half_width", "mm", ".3f"),
+    Quantity("hertz_half_width", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.half_width, "mm", ".3f"),
     CONTACT_ANGLE,
     ON_RAIL,
     ON_WHEEL,
 )
 PLANE_FURTHER: Quantities[PlanePatchResult] = (
-    Quantity("track_position", "position in the track", "patch.pressure.centre", "mm", "z.2f", XY),
-    Quantity("pressure_oscillation", "pressure oscillation", "patch.pressure.oscillation", form=".2%"),
+    Quantity("track_position", "position in the track", lambda patch: patch.patch.pressure.centre, "mm", "z.2f", XY),
+    Quantity(
+        "pressure_oscillation", "pressure oscillation", lambda patch: patch.patch.pressure.oscillation, form=".2%"
+    ),
     Quantity("nodes", "nodes in contact", lambda p: len(p.patch.pressure.normal_forces), form="d"),
     *(
         quantity
@@ -373,15 +392,15 @@ def _greater(key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, 
     )
 
 
-def _creep(quantity: Quantity[CreepResult]) -> Quantity[PatchResult]:
-    return of_part("creep", quantity)
+def _creep(*quantities: Quantity[CreepResult]) -> Quantities[PatchResult]:
+    return of_part(lambda patch: patch.creep, *quantities)
 
 
 POSITION_ALONG: Quantity[PatchResult] = Quantity(
-    "track_position", "position in the track", "patch.centre_mm", "mm", "z.2f", XYZ
+    "track_position", "position in the track", lambda patch: patch.patch.centre_mm, "mm", "z.2f", XYZ
 )
 LONGITUDINAL: Quantity[PatchResult] = Quantity(
-    "longitudinal_position", "longitudinal position", "patch.centre_mm.2", "mm", "z.2f"
+    "longitudinal_position", "longitudinal position", lambda patch: patch.patch.centre_mm[2], "mm", "z.2f"
 )
 LOAD_FACTOR: Quantity[PatchResult] = Quantity(
     "pressure_over_shear_strength", "p0/k (load factor)", lambda p: p.result.load_factor(p.patch), form=".2f"
@@ -390,24 +409,19 @@ SHAKEDOWN: Quantity[PatchResult] = Quantity(
     "shakedown_state", "  shakedown state", lambda p: p.result.shakedown_state(p.patch)
 )
 ROLLING_RADIUS: Quantity[PatchResult] = Quantity(
-    "rolling_radius", "rolling radius", "patch.rolling_radius_mm", "mm", ".3f"
+    "rolling_radius", "rolling radius", lambda patch: patch.patch.rolling_radius_mm, "mm", ".3f"
 )
-CREEP_MAIN: Quantities[PatchResult] = tuple(
-    map(
-        _creep,
-        (
-            *CREEPAGES,
-            replace(LONGITUDINAL_FORCE, key="longitudinal_creep_force", label="longitudinal creep force"),
-            replace(LATERAL_FORCE, key="lateral_creep_force", label="lateral creep force"),
-            TRACTION,
-            *T_GAMMAS[:1],
-        ),
-    )
+CREEP_MAIN: Quantities[PatchResult] = _creep(
+    *CREEPAGES,
+    replace(LONGITUDINAL_FORCE, key="longitudinal_creep_force", label="longitudinal creep force"),
+    replace(LATERAL_FORCE, key="lateral_creep_force", label="lateral creep force"),
+    TRACTION,
+    T_GAMMAS[0],
 )
 CREEP_FURTHER: Quantities[PatchResult] = (
-    *map(_creep, (SPIN_MOMENT, *T_GAMMAS[1:])),
-    Quantity("frictional_power", "frictional power", "power", "W", ".1f"),
-    *map(_creep, FIELDS),
+    *_creep(SPIN_MOMENT, *T_GAMMAS[1:]),
+    Quantity("frictional_power", "frictional power", lambda patch: patch.power, "W", ".1f"),
+    *_creep(*FIELDS),
 )
 """CREEP_MAIN, CREEP_FURTHER: numbers of a patch that rolls, those of the table of results and further ones."""
 MAX_VON_MISES, MAX_VON_MISES_DEPTH = _greater(
@@ -436,7 +450,13 @@ SPATIAL_FURTHER: Quantities[PatchResult] = (
     HERTZ_AXES,
     ANGLE,
     AREA,
-    Quantity("conformity", "change of contact normal across the patch", "patch.conformity_deg", "deg", ".1f"),
+    Quantity(
+        "conformity",
+        "change of contact normal across the patch",
+        lambda patch: patch.patch.conformity_deg,
+        "deg",
+        ".1f",
+    ),
     ROLLING_RADIUS,
     CELLS,
     *(
@@ -461,10 +481,12 @@ GAUGE_DEPTH: Quantity[WheelResult] = Quantity(
     "mm",
     ".2f",
 )
-RATIO: Quantity[WheelResult] = Quantity("lateral_over_vertical", "L/V", "lateral_over_vertical", form="z.4f")
+RATIO: Quantity[WheelResult] = Quantity(
+    "lateral_over_vertical", "L/V", lambda wheel: wheel.lateral_over_vertical, form="z.4f"
+)
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
-    Quantity("normal_force", "normal force", lambda w: w.total("normal_force"), "kN", ".3f", factor=1e-3),
+    Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force), "kN", ".3f", factor=1e-3),
     Quantity(
         "lateral_force",
         "lateral force on the wheel",
@@ -484,25 +506,27 @@ WHEEL: Quantities[WheelResult] = (
     RATIO,
     GAUGE_DEPTH,
 )
-GAUGE: Quantity[WheelResult] = Quantity("gauge_outward", "gauge-face deflection", "head.3", "mm", "z.3f")
+GAUGE: Quantity[WheelResult] = Quantity(
+    "gauge_outward", "gauge-face deflection", lambda wheel: wheel.head[3], "mm", "z.3f"
+)
 HEAD: Quantities[WheelResult] = (
-    Quantity("head_lateral", "railhead lateral displacement", "head.0", "mm", "z.3f"),
-    Quantity("head_vertical", "  up", "head.1", "mm", "z.3f"),
-    Quantity("head_roll", "  roll", "head.2", "mrad", "z.3f", factor=1e3),
+    Quantity("head_lateral", "railhead lateral displacement", lambda wheel: wheel.head[0], "mm", "z.3f"),
+    Quantity("head_vertical", "  up", lambda wheel: wheel.head[1], "mm", "z.3f"),
+    Quantity("head_roll", "  roll", lambda wheel: wheel.head[2], "mrad", "z.3f", factor=1e3),
     GAUGE,
 )
 NADAL_FRACTION: Quantity[WheelResult] = Quantity(
-    "share_of_nadal_limit", "  fraction of the limit", "nadal_fraction", form=".0%"
+    "share_of_nadal_limit", "  fraction of the limit", lambda wheel: wheel.nadal_fraction, form=".0%"
 )
 NADAL: Quantities[WheelResult] = (
-    Quantity("nadal_limit", "  Nadal's limit", "nadal_limit", form=".3f"),
+    Quantity("nadal_limit", "  Nadal's limit", lambda wheel: wheel.nadal_limit, form=".3f"),
     NADAL_FRACTION,
 )
-NADAL_WORDS: Quantity[WheelResult] = Quantity("nadal", "Nadal's criterion", "nadal_words")
+NADAL_WORDS: Quantity[WheelResult] = Quantity("nadal", "Nadal's criterion", lambda wheel: wheel.nadal_words)
 
 
-def _most_loaded(quantity: Quantity[Any]) -> Quantity[WheelResult]:
-    return of_part("most_loaded", quantity)
+def _most_loaded(*quantities: Quantity[Any]) -> Quantities[WheelResult]:
+    return of_part(lambda wheel: wheel.most_loaded, *quantities)
 
 
 def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
@@ -511,21 +535,21 @@ def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
 
 _ELLIPSE: Quantities[Any] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
 _POINTS: Quantities[Any] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
-_HIGHEST = tuple(of_part("highest", quantity) for quantity in (PRESSURE, REMARK))
+_HIGHEST: Quantities[WheelResult] = of_part(lambda wheel: wheel.highest, PRESSURE, REMARK)
 PLANE_ROW: Quantities[WheelResult] = (
     *WHEEL,
     *_HIGHEST,
-    *(_most_loaded(quantity) for quantity in (HALF_WIDTH, *_POINTS)),
+    *_most_loaded(HALF_WIDTH, *_POINTS),
 )
 SPATIAL_ROW: Quantities[WheelResult] = (
     *WHEEL,
     *_HIGHEST,
-    *(_most_loaded(quantity) for quantity in (*_ELLIPSE, *_POINTS)),
+    *_most_loaded(*_ELLIPSE, *_POINTS),
     *HEAD,
 )
 ROLLING_ROW: Quantities[WheelResult] = (
     *SPATIAL_ROW,
-    *map(_most_loaded, (*CREEP_MAIN[:3], CREEP_MAIN[5])),
+    *_most_loaded(*CREEP_MAIN[:3], CREEP_MAIN[5]),
     *map(_sum, (*CREEP_MAIN[3:5], CREEP_MAIN[6], CREEP_FURTHER[3])),
     NADAL_FRACTION,
 )
@@ -549,19 +573,33 @@ def _frequency(result: SpatialResult) -> float | None:
     return None if length is None or motion is None else 1e3 * motion.speed_m_s / length
 
 
+def _rolled(result: SpatialResult) -> RolledWheelset | None:
+    return result.equilibrium.state.rolled
+
+
 ROLLING: Quantities[SpatialResult] = (
-    Quantity("rate", "rotation", "equilibrium.state.rolled.rate_rad_s", "rad/s", ".4f"),
-    Quantity("yaw", "yaw", "equilibrium.state.rolled.yaw_rad", "mrad", "z.3f", factor=1e3),
-    Quantity(
-        "yaw_moment",
-        "yaw moment from contact forces",
-        "equilibrium.state.rolled.yaw_moment_Nmm",
-        "kNm",
-        "z.3f",
-        factor=1e-6,
-        meaning="on the wheelset, counter-clockwise from above",
+    *of_part(
+        _rolled,
+        Quantity("rate", "rotation", lambda rolled: rolled.rate_rad_s, "rad/s", ".4f"),
+        Quantity("yaw", "yaw", lambda rolled: rolled.yaw_rad, "mrad", "z.3f", factor=1e3),
+        Quantity(
+            "yaw_moment",
+            "yaw moment from contact forces",
+            lambda rolled: rolled.yaw_moment_Nmm,
+            "kNm",
+            "z.3f",
+            factor=1e-6,
+            meaning="on the wheelset, counter-clockwise from above",
+        ),
+        Quantity(
+            "torque",
+            "torque on the axle",
+            lambda rolled: rolled.torque_Nmm,
+            "kNm",
+            "z.3f",
+            factor=-1e-6,
+        ),
     ),
-    Quantity("torque", "torque on the axle", "equilibrium.state.rolled.torque_Nmm", "kNm", "z.3f", factor=-1e-6),
     Quantity(
         "traction",
         "traction",
@@ -574,7 +612,7 @@ ROLLING: Quantities[SpatialResult] = (
     Quantity(
         "kinematic_wavelength",
         "kinematic wave (Klingel): length",
-        "kinematic_wavelength_mm",
+        lambda result: result.kinematic_wavelength_mm,
         "m",
         ".2f",
         meaning="of the equivalent conicity of rigid wheels at 3 mm; none where it is not positive",
@@ -585,8 +623,8 @@ ROLLING: Quantities[SpatialResult] = (
 
 
 MESH: Quantities[LinearBody] = (
-    Quantity("name", "", "name"),
-    Quantity("unknowns", "unknowns", "stiffness.n", form=","),
-    Quantity("elements", "elements", "space.mesh.n_cells", form=","),
-    Quantity("nodes", "nodes", "space.n_nodes", form=","),
+    Quantity("name", "", lambda body: body.name),
+    Quantity("unknowns", "unknowns", lambda body: body.stiffness.n, form=","),
+    Quantity("elements", "elements", lambda body: body.space.mesh.n_cells, form=","),
+    Quantity("nodes", "nodes", lambda body: body.space.n_nodes, form=","),
 )
