@@ -19,7 +19,8 @@ STANDS = "document.querySelector('#state').className.match(/good|warned/) && !do
 
 @pytest.fixture
 def page(browser, served):
-    """The page with coarse bodies, and the requests and errors of the browser."""
+    """The page with bundled profiles and coarse bodies, and the requests and errors of the browser."""
+    served.engine.files.clear()  # the page begins with the files that it is served with
     # the tests look into the page by texts of code, which its own policy forbids
     context = browser.new_context(viewport={"width": 1400, "height": 900}, bypass_csp=True)
     page = context.new_page()
@@ -27,7 +28,7 @@ def page(browser, served):
     page.on("request", lambda request: page.requested.append(request.url))
     page.on("pageerror", lambda error: page.wrong.append(str(error)))
     page.goto(served.address)
-    page.evaluate("started")  # with the files that tests before have dropped
+    page.evaluate("started")
     page.evaluate("state.inputs.size_scale = '3'; loadGeometry()")
     yield page
     assert page.wrong == []
