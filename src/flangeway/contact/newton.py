@@ -53,7 +53,6 @@ from flangeway.contact.system import (
     carried_forces,
     changed_keys,
     nodal_forces_of,
-    residual_of,
 )
 from flangeway.geometry import Placement
 from flangeway.solve import active_set
@@ -412,8 +411,9 @@ class _Run:
             step = self._step() or self._step(bend=False)
             if step is None:
                 return (
-                    "not converged: the contact laws of a linearised step have no solution; check the direction and "
-                    "the size of loads and motions, or take a finer mesh or a softer penalty"
+                    "not converged: the contact laws of a linearised step have no solution: "
+                    f"{self._worst()}{self._unbalanced()}; check the direction and the size of loads and motions, or "
+                    "take a finer mesh or a softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
             limit = MAX_GROWTH * max((iteration.residual for iteration in self.history[-MEMORY:]), default=np.inf)
@@ -500,21 +500,31 @@ class _Run:
             # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
             self.forces, self.tangential = np.zeros((2, len(after.keys)))
             applied = np.zeros_like(applied)
-        carried, tangential, scale = self.forces, self.tangential, self._scale()
         self.applied = applied
-        nodal, left = self._nodal(), self._left()
-        left -= self.neutral[0] @ (self.neutral[0].T @ left)
-        unbalanced = np.append(nodal - applied, left)
-        most = max(float(np.abs(vector).max(initial=0.0)) for vector in (applied, self.parts.load))
-        slack = self._gaps(after) + self._compliances(after) * carried - active_set.standoffs(carried, after.barriers)
-        residual = residual_of(slack, carried, unbalanced, most, scale)
+        residual = max(float(values.max(initial=0.0)) for values in self._residuals())
+        change = float(np.abs(moved - here.displacements).max(initial=0.0)) / self._scale()
+        changed = changed_keys(here.current, before, after, (self.forces, self.tangential))
+        return Iteration(change, residual, int((self.forces > 0).sum()), changed, self.corrections)
+
+    def _residuals(self) -> tuple[Floats, Floats, Floats]:
+        """Violations of the laws, (m,), and what is not balanced on nodes, (n_nodes,), and along motions, (n,).
+
+        Lengths are relative to the maximum displacement, forces to all of the contacts. Without force only a
+        penetration violates the law of contact; with it any gap beyond the one of the law.
+        """
+        lin, forces, scale = self.current, self.forces, self._scale()
+        slack = self._gaps(lin) + self._compliances(lin) * forces - active_set.standoffs(forces, lin.barriers)
+        laws = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0)) / scale
+        # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
+        most = max(float(np.abs(vector).max(initial=0.0)) for vector in (self.applied, self.parts.load))
+        total = max(float(forces.sum()), most) or np.inf
         if self.slides is not None:
-            slips = self._slips(after, self.slides) + self._let_back(after, tangential)
-            beyond, wrong = active_set.violation(carried, tangential, slips, after.coefficients)
-            residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
-        change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
-        changed = changed_keys(here.current, before, after, (carried, tangential))
-        return Iteration(change, residual, int((carried > 0).sum()), changed, self.corrections)
+            slips = self._slips(lin, self.slides) + self._let_back(lin, self.tangential)
+            beyond, wrong = active_set.violations(forces, self.tangential, slips, lin.coefficients)
+            laws = np.maximum.reduce((laws, beyond / total, wrong / scale))
+        left = self._left()
+        left -= self.neutral[0] @ (self.neutral[0].T @ left)
+        return laws, np.abs(self._nodal() - self.applied).max(axis=1) / total, np.abs(left) / total
 
     def _scale(self) -> float:
         """Maximum displacement, or way of a placed body."""
@@ -766,7 +776,7 @@ class _Run:
         unbalanced = self._unbalanced()
         advice = "take a softer penalty or a finer mesh"
         if not last.changed:
-            reason = f"the displacements still change by {last.change:.1e} of the maximum one"
+            reason = f"the displacements still change by {last.change:.1e} of the maximum one, and {self._worst()}"
         else:
             positions = self.reference + self.displacements
             named = [self.constraints.describe(key, positions) for key in last.changed[:MAX_NAMED]]
@@ -778,6 +788,16 @@ class _Run:
             )
         count = _counted(len(self.history), "iteration")
         return f"not converged in {count}: {reason}{unbalanced}; {advice}"
+
+    def _worst(self) -> str:
+        """Words for the node that is in equilibrium least, or whose constraint's laws are violated most."""
+        laws, nodes, _ = self._residuals()
+        names, positions = self.constraints, self.reference + self.displacements
+        if laws.max(initial=0.0) > nodes.max():
+            return f"the laws are violated most at {names.describe(int(self.current.keys[laws.argmax()]), positions)}"
+        node = int(nodes.argmax())
+        force = float(np.linalg.norm((self._nodal() - self.applied)[node]))
+        return f"a force of {force:.3g} is not balanced at {names.describe_node(node, positions)}"
 
     def _unbalanced(self) -> str:
         """Words for the maximum force that is left on a handle."""

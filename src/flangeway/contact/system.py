@@ -340,21 +340,6 @@ def nodal_forces_of(
     return result
 
 
-def residual_of(slack: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float) -> float:
-    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
-
-    The total of the forces (m,) is at least the given maximum of nodal forces and loads. ``slack`` (m,) is what gaps
-    are beyond those that the law leaves under the forces.
-    """
-    # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
-    total = max(float(forces.sum()), most)
-    if total == 0.0:
-        return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
-    residual = float(np.abs(unbalanced).max()) / total
-    violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
-    return max(residual, float(violation.max(initial=0.0)) / scale)
-
-
 def changed_keys(
     before: ContactLinearisation,
     forces: tuple[Floats, Floats],
@@ -654,8 +639,18 @@ class ContactSystem:
             surface, other = other, surface
         if node >= len(surface.nodes):  # a point of an edge
             node = int(surface.edge_places[node - len(surface.nodes), 0])
-        x, y = positions[self.nodes_of(surface)[node]]
-        return f"node {surface.nodes[node]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
+        return self._node_text(int(self.nodes_of(surface)[node]), positions, [other])
+
+    def describe_node(self, node: int, positions: Floats) -> str:
+        """Name a surface node at one of positions (n_nodes, 2) for messages, and the surfaces that it is against."""
+        sides = [both for contact in self.contacts for both in (contact.sides, contact.sides[::-1])]
+        return self._node_text(node, positions, [other for one, other in sides if node in self.nodes_of(one)])
+
+    def _node_text(self, node: int, positions: Floats, others: Sequence[Surface]) -> str:
+        number, (x, y) = int(np.searchsorted(self._first_node, node, side="right")) - 1, positions[node]
+        within = self.surface_nodes[number].nodes[node - self._first_node[number]]
+        against = " and ".join(dict.fromkeys(repr(other.part.name) for other in others))
+        return f"node {within} of {self.parts[number].name!r} at ({x:.6g}, {y:.6g}) on {against}"
 
     def describe_entry(self, entry: Entry, positions: Floats) -> str:
         """Name the bodies of which one moved through the other, and where it entered among positions (n_nodes, 2)."""

@@ -453,11 +453,10 @@ def friction_state(
     return CoulombState(tangential, slipped, elastic, sticks, works)
 
 
-def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: Floats) -> tuple[float, float]:
-    """Maximum force beyond its limit, and maximum slip that sticks or goes along with the force."""
+def violations(normal: Floats, tangential: Floats, slips: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+    """Forces beyond the limit of friction, and slips where surfaces stick or go along with the force, each (m,)."""
     limits = coefficients * np.maximum(normal, 0.0)
-    beyond = float((np.abs(tangential) - limits).max(initial=0.0))
+    beyond = np.maximum(np.abs(tangential) - limits, 0.0)
     loaded = limits > 0.0
     inside = loaded & (np.abs(tangential) < (1.0 - LIMIT_MARGIN) * limits)
-    wrong = np.where(inside, np.abs(slips), np.where(loaded, np.maximum(slips * np.sign(tangential), 0.0), 0.0))
-    return beyond, float(wrong.max(initial=0.0))
+    return beyond, np.where(inside, np.abs(slips), np.where(loaded, np.maximum(slips * np.sign(tangential), 0.0), 0.0))
