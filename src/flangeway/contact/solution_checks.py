@@ -229,28 +229,27 @@ def deformed_boundaries(
     response: BodyResponse,
     state: ContactState,
     fields: Sequence[Floats],
-    followed: Sequence[Contact] | None = None,
 ) -> list[Boundary]:
-    """Boundary of each part in space, with the displacements of all nodes of each body in its own frame.
-
-    Surfaces of the contacts ``followed`` follow their drawn curves (default: of all).
-    """
+    """Boundary of each part in space, with the displacements of all nodes of each body in its own frame."""
     boundaries = []
+    solved = system.solved(state.linearisation, state.forces)
+    followed = [contact.contact for contact in solved if contact.follows_curves]
     for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
         first, last = response.offsets[number : number + 2]
         points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[system.surface_nodes[number].nodes] = state.positions[first:last]
-        boundaries.append(_boundary(system, part, at, system.contacts if followed is None else followed))
+        boundaries.append(_boundary(system, part, at, followed))
     return boundaries
 
 
-def _boundary(system: ContactSystem, part: Part, positions: Floats, among: Sequence[Contact]) -> Boundary:
-    """Boundary of a part whose nodes are at positions in space, which follows its curves as its contacts do."""
-    sides = [(contact, side) for contact in system.contacts for side in contact.sides if side.part is part]
-    # with friction nodes alone are guarded, see `penetrating`
-    followed = [side for contact, side in sides if contact.friction_coefficient == 0.0 and contact in among]
-    return Boundary.of_part(part, positions, followed, max(side.chord_turn for _, side in sides))
+def _boundary(system: ContactSystem, part: Part, positions: Floats, followed: Sequence[Contact]) -> Boundary:
+    """Boundary of a part whose nodes are at positions in space, on its curves where contacts follow them."""
+    on_curves, sides = (
+        [side for contact in contacts for side in contact.sides if side.part is part]
+        for contacts in (followed, system.contacts)
+    )
+    return Boundary.of_part(part, positions, on_curves, max(side.chord_turn for side in sides))
 
 
 def body_overlaps(
@@ -276,10 +275,7 @@ def body_overlaps(
     """
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
-    # in a contact of many elements the error of the force counts what these leave between nodes
-    solved = system.solved(state.linearisation, state.forces)
-    followed = [contact.contact for contact in solved if not contact.is_resolved]
-    boundaries = deformed_boundaries(system, response, state, fields, followed)
+    boundaries = deformed_boundaries(system, response, state, fields)
     moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
     overlaps = []
     sides = [side for side in zip(system.parts, boundaries, strict=True) if side[0].body.boundary_is_closed]
@@ -326,8 +322,9 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
+    followed = [contact for contact in system.contacts if contact.follows_curves()]
     undeformed = [
-        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes), system.contacts))
+        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes), followed))
         for part in system.parts
     ]
     at = cache(lambda step: undeformed if step == 0 else _placed_boundaries(system, states[step - 1]))
@@ -496,13 +493,14 @@ def _force_errors(
     The force of parts that move freely, ``moving``, is prescribed, and only their approach has an error.
     """
     worst = [0.0, 0.0]
-    for number, contact in enumerate(system.contacts):
+    for number, solved in enumerate(system.solved(state.linearisation, state.forces)):
+        contact = solved.contact
         name = f"the contact of {contact.secondary.part.name} on {contact.primary.part.name}"
         names = {part.name for part in contact.parts}
         depth = max((overlap.depth for overlap in overlaps if set(overlap.parts) == names), default=0.0)
         if not all(part.body.boundary_is_closed for part in contact.parts):
             depth = np.inf
-        if contact.friction_coefficient:  # the overlap is that of chords
+        if not solved.follows_curves:  # the overlap is that of chords
             depth += sum(surface.curve_height for surface in contact.sides)
         # no mean is above the maximum on the whole boundaries
         of_contact = [

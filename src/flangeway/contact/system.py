@@ -37,6 +37,9 @@ from flangeway.types import Floats, Ints
 PAIRINGS = "NodeToSegment(...), SegmentToSegment(...) or NodeToNode()"
 ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...) or Barrier(...)"
 
+MIN_RESOLVED = 5
+"""Constraints of the pairing under force from which a contact is not narrower than its elements."""
+
 
 @dataclass(frozen=True, eq=False)
 class Contact:
@@ -135,6 +138,14 @@ class Contact:
     def friction_coefficient(self) -> float:
         """Coefficient of friction, the same at every point and slip."""
         return float(self.friction.limits[0][0]) if isinstance(self.friction, Friction) else float(self.friction)
+
+    def follows_curves(self, n_pressed: int = 0) -> bool:
+        """Whether its edges are their curves also between nodes, where so many constraints of the pairing are pressed.
+
+        Else they are chords: with friction, as slip is that of nodes, and where many elements are in contact, as forces
+        between their nodes would oscillate.
+        """
+        return self.friction_coefficient == 0.0 and n_pressed < MIN_RESOLVED
 
     def _refuse_bad_friction(self) -> None:
         given = f"Contact(friction={short(self.friction)}) of {self._names}"
@@ -377,9 +388,6 @@ edge that turned, and no body: twice that is the thickness of the thinnest body 
 SHALLOW = 0.1
 """Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
 
-MIN_RESOLVED = 5
-"""Constraints of the pairing under force from which a contact is not narrower than its elements."""
-
 SMALL_MOVE = 1e-3
 """Move relative to the mean length of an edge that takes no node into another surface: all iterations together go less
 deep than `SHALLOW` by such moves."""
@@ -403,9 +411,9 @@ class SolvedContact(NamedTuple):
     forces: Floats
 
     @property
-    def is_resolved(self) -> bool:
-        """Whether the pairing presses with so many constraints that the elements resolve the contact."""
-        return int(np.count_nonzero(self.forces[~self.pairs.guarded])) >= MIN_RESOLVED
+    def follows_curves(self) -> bool:
+        """Whether its edges are their curves also between nodes, see `Contact.follows_curves`."""
+        return self.contact.follows_curves(int(np.count_nonzero(self.forces[~self.pairs.guarded])))
 
 
 class Entry(NamedTuple):
@@ -518,10 +526,8 @@ class ContactSystem:
         for number, contact in enumerate(self.solved(lin, forces)):
             sides, explained = contact.contact.sides, self.explained(contact, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            # in a contact of many elements these alone let points between nodes penetrate: forces there would oscillate
-            follow = contact.contact.friction_coefficient == 0.0 and not contact.is_resolved
             bent = MAX_OVERLAP * moved / 2.0
-            guards = penetrating(sides, at, lin.guarded_nodes[number], explained, bent, follow=follow)
+            guards = penetrating(sides, at, lin.guarded_nodes[number], explained, bent, follow=contact.follows_curves)
             more |= bool(guards[0].any() or guards[1].any())
             one, other = (
                 np.where(new > 0.0, new, before) for before, new in zip(lin.guarded_nodes[number], guards, strict=True)
