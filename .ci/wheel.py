@@ -1,4 +1,4 @@
-"""Installs a wheel as a user does who has no compiler, runs the main job, and tests what was installed.
+"""Installs a wheel as a user does who has no compiler, runs the main job and a study, and tests what was installed.
 
 ``python .ci/wheel.py dist/flangeway-*.whl [TESTS...]``, on any operating system, from the sources of the same version.
 The tests, `TESTS` if left out, import the package from the wheel: no folder of sources is searched.
@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 import venv
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -29,7 +30,10 @@ GMSH_OF_SYSTEM = sys.platform == "linux" and os.uname().machine == "aarch64"
 
 
 def main(wheel: Path, tests: Sequence[str] = TESTS) -> None:
-    """Make an environment with the wheel, and run the main job and the tests in it."""
+    """Make an environment with the wheel, and run the main job, a study and the tests in it."""
+    packages = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    if {name for name in packages if not name.endswith((".dist-info", ".libs"))} != {"flangeway"}:
+        sys.exit(f"the wheel has other packages than flangeway: {', '.join(sorted(packages))}")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = Path(name)
         venv.create(folder / "venv", with_pip=True, system_site_packages=GMSH_OF_SYSTEM)
@@ -41,9 +45,11 @@ def main(wheel: Path, tests: Sequence[str] = TESTS) -> None:
             "FLANGEWAY_CACHE": str(folder / "cache"),
         }
 
-        def run(program: str, *arguments: str, where: Path) -> None:
-            command = [programs / program, *arguments]
-            subprocess.run(command, cwd=where, env=environment, check=True)
+        def run(program: str, *arguments: str, where: Path, status: int = 0) -> None:
+            command = [str(programs / program), *arguments]
+            ended = subprocess.run(command, cwd=where, env=environment, check=False).returncode
+            if ended != status:
+                sys.exit(f"{' '.join(command)} ended with status {ended}, not {status}")
 
         run("python", "-m", "pip", "install", "-q", str(wheel.resolve()), where=folder)
         start, before = time.monotonic(), os.times()
@@ -53,6 +59,12 @@ def main(wheel: Path, tests: Sequence[str] = TESTS) -> None:
         print(f"flangeway run wheelset, installed from {wheel.name}: {seconds:.1f} s, {busy:.1f} s of a processor")
         if busy > MAIN_JOB_S:
             sys.exit(f"the main job took more than {MAIN_JOB_S:.0f} s of a processor")
+        (folder / "studies").mkdir()
+        (folder / "studies" / "__init__.py").write_text("raise SystemExit('a folder of the user was imported')\n")
+        study = ("-m", "flangeway", "reproduce", "conicity", "-q")
+        run("python", *study, where=folder, status=1)  # the message names the package of studies
+        run("python", "-m", "pip", "install", "-q", str(ROOT / "studies"), where=folder)
+        run("python", *study, where=folder)
         run("python", "-m", "pip", "install", "-q", "pytest>=8", "hypothesis>=6.100", where=folder)
         run("python", "-m", "pytest", "-q", *tests, where=ROOT)
 

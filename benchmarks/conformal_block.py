@@ -1,7 +1,7 @@
 """Two conforming blocks pressed together in CalculiX: the numbers that ``flangeway reproduce spatial`` compares with.
 
-``python -m benchmarks.conformal_block [SIZE]`` prints lines for ``studies/data/spatial.csv``: quarters of C3D20 with
-edges of SIZE mm in the contact (0.7 if left out), pressed by the approach of `studies.patches`.
+``python -m benchmarks.conformal_block [SIZE]`` prints lines for ``flangeway_studies/data/spatial.csv``: quarters of
+C3D20 with edges of SIZE mm in the contact (0.7 if left out), pressed by the approach of `flangeway_studies.patches`.
 The pressure is the stress along the normal at the nodes in the middle of both surfaces, their mean.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchmarks.peers import run_calculix
 from benchmarks.peers.calculix_solid import Solid, deck, middle_pressure, read, solid
-from studies.patches import BLOCK, STEEL
+from flangeway_studies.patches import BLOCK, STEEL
 
 Floats = NDArray[np.float64]
 

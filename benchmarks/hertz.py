@@ -13,7 +13,7 @@ from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import ContactSolution, press
 from flangeway.geometry import Placement
 from flangeway.solve import StepSettings
-from studies.hertz import CODES, LEVELS, REFERENCE_FORCE, published_case
+from flangeway_studies.hertz import CODES, LEVELS, REFERENCE_FORCE, published_case
 
 
 def measurements() -> Iterator[Measurement]:

@@ -1,7 +1,7 @@
 """A wheel S1002 on a rail 60E1 in CalculiX: the numbers that ``flangeway reproduce wheelset3d`` compares with.
 
-``python -m benchmarks.profile_blocks [SIZE]`` prints lines for ``studies/data/spatial.csv``: the blocks of
-`studies.patches`, cut at z = 0, as C3D20 with edges of SIZE mm in the contact (1.2 if left
+``python -m benchmarks.profile_blocks [SIZE]`` prints lines for ``flangeway_studies/data/spatial.csv``: the blocks of
+`flangeway_studies.patches`, cut at z = 0, as C3D20 with edges of SIZE mm in the contact (1.2 if left
 out). Pressures are the stresses along the normals at the nodes, the mean of both surfaces. The semi-axes are those of
 an ellipse whose pressure as Hertz's has the same second moments.
 """
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from benchmarks.conformal_block import PENALTY, graded
 from benchmarks.peers import run_calculix
 from benchmarks.peers.calculix_solid import CORNERS, FACES, MIDDLES, Solid, deck, read, solid
-from studies.patches import APPROACH, BLOCK_DEPTH, HALF, HERTZ_STEEL, LENGTH, cut_surfaces, heights
+from flangeway_studies.patches import APPROACH, BLOCK_DEPTH, HALF, HERTZ_STEEL, LENGTH, cut_surfaces, heights
 
 Floats = NDArray[np.float64]
 

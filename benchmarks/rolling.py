@@ -38,7 +38,7 @@ from flangeway.tables.creep_sampling import (
     random_points,
     sample,
 )
-from studies.rolling_cases import elliptic, published
+from flangeway_studies.rolling_cases import elliptic, published
 
 CELLS, FORCE = 30, 82_000.0
 MOTION = Creepages(1e-3, 5e-4, -2e-4)

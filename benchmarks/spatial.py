@@ -31,7 +31,7 @@ from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.solve import SurfaceCells, compliance_table
 from flangeway.space import Space
-from studies.patches import HERTZ_STEEL, crowned
+from flangeway_studies.patches import HERTZ_STEEL, crowned
 
 Floats = NDArray[np.float64]
 

@@ -42,7 +42,7 @@ from flangeway.post import displacements_at
 from flangeway.problems import Body, BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.space import Space
-from studies.hertz import largest_patch, oscillation, published_case
+from flangeway_studies.hertz import largest_patch, oscillation, published_case
 
 Floats = NDArray[np.float64]
 

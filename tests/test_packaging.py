@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "src" / "flangeway"
 SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = SETTINGS["project"]
+STUDIES = tomllib.loads((ROOT / "studies" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 GROUPS = {"": PROJECT["dependencies"], **PROJECT["optional-dependencies"]}
 REQUIREMENTS = sorted({requirement for group in GROUPS.values() for requirement in group})
 COMPILED = {".pyc", ".so"}
@@ -48,9 +49,11 @@ def test_every_file_that_code_reads_is_in_the_package():
     assert missing == {}
 
 
-def test_nothing_keeps_files_out_of_the_wheel():
-    """All files beside the modules are packed: maturin leaves out what git ignores and what it is told to."""
+def test_the_wheel_has_one_package_with_all_its_files():
+    """The package and all files beside its modules are packed, but for what git ignores, and nothing else."""
     assert SETTINGS["tool"]["maturin"]["python-source"] == "src"
+    assert [path.name for path in (ROOT / "src").iterdir() if not path.name.startswith((".", "_"))] == ["flangeway"]
+    assert {entry["format"] for entry in SETTINGS["tool"]["maturin"]["include"]} == {"sdist"}
     assert not SETTINGS["tool"]["maturin"].keys() & {"exclude", "python-packages"}
     if (ROOT / ".git").exists():
         paths = "\n".join(str(PACKAGE / path) for path in DATA)
@@ -77,15 +80,17 @@ def test_licences_of_bundled_files_ship():
     found = {path for path in PACKAGE.rglob("*") if re.match(r"(LICEN[CS]E|COPYING|NOTICE)", path.name)}
     assert all(path.stat().st_size for path in stated)
     assert stated == {ROOT / "LICENSE", *found}
+    assert (ROOT / "studies" / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
 
 
 def test_the_version_has_one_place():
-    """No module spells the version; the crate and the citation give the same one."""
+    """No module spells the version; the crate, the citation and the studies, which need it, give the same one."""
     version = PROJECT["version"]
     core = tomllib.loads((ROOT / "core" / "Cargo.toml").read_text(encoding="utf-8"))
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert flangeway.__version__ == core["package"]["version"] == version
     assert re.findall(r"^version: (.*)$", citation, flags=re.MULTILINE) == [version]
+    assert (STUDIES["version"], STUDIES["dependencies"]) == (version, [f"flangeway=={version}"])
     assert [path for path in PACKAGE.rglob("*.py") if f'"{version}"' in path.read_text(encoding="utf-8")] == []
 
 

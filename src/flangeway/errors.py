@@ -137,7 +137,7 @@ def unforeseen(error: BaseException) -> str:
 
 
 class MissingLibraryError(FlangewayError):
-    """A shared library of the system is missing; the message names the packages that bring it."""
+    """A package or a shared library of the system is missing; the message says how to install it."""
 
 
 class OutOfMemoryError(FlangewayError, MemoryError):

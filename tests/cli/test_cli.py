@@ -93,6 +93,28 @@ def test_a_missing_library_is_told(call, monkeypatch, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+class NoStudies:
+    """A finder that does not find the studies."""
+
+    @staticmethod
+    def find_spec(name, *_):
+        """Refuse the studies, and leave other modules to the finders behind it."""
+        if name == "flangeway_studies":
+            raise ModuleNotFoundError(name=name)
+
+
+def test_reproduce_says_how_to_install_the_studies(call, monkeypatch, tmp_path):
+    """Without the package of studies the message has the command that installs it, and the status is 1."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "flangeway_studies"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [NoStudies, *sys.meta_path])
+    status, _, error = call("reproduce", "torsion")
+    assert status == 1
+    assert "flangeway-studies" in error
+    assert "pip install ./studies" in error
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_cases_are_listed_with_their_inputs(call):
     """The list has a line for each case; the name of one gives all its inputs."""
     status, said, _ = call("cases")

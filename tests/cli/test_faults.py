@@ -194,7 +194,7 @@ def test_an_internal_error_is_one_sentence_with_the_place_to_report_it(call, mon
         "flangeway.cases.profile_run.run_profile",
         "flangeway.campaign.Campaign.from_file",
         "flangeway.cases.case_file.schema",
-        "studies.study.Study.compute",
+        "flangeway_studies.study.Study.compute",
     ):
         monkeypatch.setattr(place, defect)
     commands = (

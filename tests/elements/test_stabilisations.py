@@ -24,7 +24,7 @@ from flangeway.mesh import PolyMesh, rectangle_grid, voronoi
 from flangeway.post import displacements_at
 from flangeway.problems import Elasticity
 from flangeway.space import Space
-from studies.hertz import largest_patch, published_case
+from flangeway_studies.hertz import largest_patch, published_case
 
 KINDS = [IdentityStabilisation(), DiagonalStabilisation(), SpectralStabilisation(), TraceStabilisation()]
 

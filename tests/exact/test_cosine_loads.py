@@ -14,7 +14,7 @@ from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTracti
 from flangeway.solve import solve_elasticity
 from flangeway.solve.solutions import solve_harmonic
 from flangeway.space import Space, interpolate
-from studies.spatial_study import exact_bar
+from flangeway_studies.spatial_study import exact_bar
 
 ELEMENTS = [Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)]
 

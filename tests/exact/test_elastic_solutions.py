@@ -16,7 +16,7 @@ from flangeway.mesh import dual, triangulate, voronoi
 from flangeway.problems import Elasticity, Harmonic, PrescribedDisplacement, Pressure, Traction
 from flangeway.solve import solve_elasticity, solve_harmonic
 from flangeway.space import Space
-from studies.forms import half_plastic, mapped, rim_displacement, ring
+from flangeway_studies.forms import half_plastic, mapped, rim_displacement, ring
 
 
 def test_thick_cylinder_is_in_balance_and_meets_the_pressures() -> None:

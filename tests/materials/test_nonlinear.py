@@ -19,7 +19,7 @@ from flangeway.problems import (
 )
 from flangeway.solve import solve_elasticity, solve_nonlinear
 from flangeway.space import Space
-from studies.forms import mapped, membrane
+from flangeway_studies.forms import mapped, membrane
 
 ELASTIC = Elastic(200.0, 0.3)
 MATERIALS = {

@@ -16,7 +16,7 @@ from flangeway.post import stresses_along
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
 from flangeway.railway.track.wheelset_problem import Discretisation
-from studies.hertz import largest_patch, oscillation, published_case
+from flangeway_studies.hertz import largest_patch, oscillation, published_case
 
 P0 = 671.5
 

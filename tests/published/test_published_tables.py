@@ -10,7 +10,7 @@ import pytest
 from flangeway.forms import Plate, modes
 from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, dual, triangulate
-from studies.torsion import SECTIONS, solve_code
+from flangeway_studies.torsion import SECTIONS, solve_code
 
 TRIANGLES = triangulate(square(1.0, (0.5, 0.5)), size=1.0 / 8.0)
 TURN = np.array([[0.8, -0.6], [0.6, 0.8]])

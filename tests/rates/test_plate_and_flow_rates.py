@@ -9,10 +9,19 @@ from flangeway.forms import Plate, modes, solve, stokes, stokes_matrix
 from flangeway.geometry import circle
 from flangeway.mesh import curved, rectangle_grid, triangulate
 from flangeway.space import Space
-from studies.forms import KINDS, flow, flow_force, mapped, membrane, plate_curvature, plate_pressure, square_of
+from flangeway_studies.forms import (
+    KINDS,
+    flow,
+    flow_force,
+    mapped,
+    membrane,
+    plate_curvature,
+    plate_pressure,
+    square_of,
+)
 
 CLAMPED = 35.98519, 73.39377, 73.39377
-"""Frequencies of the clamped unit square, by Ritz's method in `studies.forms` with more polynomials."""
+"""Frequencies of the clamped unit square, by Ritz's method in `flangeway_studies.forms` with more polynomials."""
 
 
 def deflection(p):

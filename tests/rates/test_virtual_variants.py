@@ -10,7 +10,7 @@ from flangeway.geometry import square
 from flangeway.mesh import PolyMesh, agglomerated, dual, rectangle_grid, triangulate, voronoi
 from flangeway.problems import Elasticity
 from flangeway.space import Space
-from studies.forms import LAST, OPTIMAL, corner_errors
+from flangeway_studies.forms import LAST, OPTIMAL, corner_errors
 from tests.given_displacement import solved
 from tests.rates import test_elasticity_rates as elastic
 

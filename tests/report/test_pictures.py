@@ -31,7 +31,7 @@ from flangeway.report.patch_maps import PatchMap, ShownRolling, maps_figure, rol
 from flangeway.report.wheelset.wheelset_patches import ORDINATE_MM, contact_figure, nodes_figure, section_figure
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
-from studies.rolling_cases import elliptic
+from flangeway_studies.rolling_cases import elliptic
 
 
 def figures(run):

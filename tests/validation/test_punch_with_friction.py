@@ -22,10 +22,10 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from flangeway.types import Floats
-from studies.friction import ironing
-from studies.friction.punch_with_friction import POISSON
-from studies.friction.sliding_bodies import BELT_STRAIN, belt_exponent, belt_tensions, turned_belt
-from studies.study import published_values
+from flangeway_studies.friction import ironing
+from flangeway_studies.friction.punch_with_friction import POISSON
+from flangeway_studies.friction.sliding_bodies import BELT_STRAIN, belt_exponent, belt_tensions, turned_belt
+from flangeway_studies.study import published_values
 
 COUPLING = (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
 FAR_AWAY = 1e3  # distance over half the width of an interval, from which the series is exact to 1e-13
@@ -135,7 +135,7 @@ def test_much_friction_gives_the_pull_of_the_punch_that_sticks() -> None:
 
 @pytest.mark.parametrize("friction", [pytest.param(0.2, marks=pytest.mark.ci), 0.3])
 def test_published_values_are_those_of_the_equations(friction: float) -> None:
-    """Stick zones and pulls in `studies/data/friction.csv` are computed here."""
+    """Stick zones and pulls in `flangeway_studies/data/friction.csv` are computed here."""
     known = published_values("friction.csv", "punch")
     half = pressed_punch(friction)
     assert (known[f"{friction:g}", "stick"], known[f"{friction:g}", "pull"]) == pytest.approx((half.stick, half.pull))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flangeway.cases.bodies.presets import CookCode
-from studies.elasticity import patch_space
-from studies.patches import HALF, WHEEL_RADIUS, cut_surfaces, heights, published_gaps
-from studies.registry import STUDIES
-from studies.spatial_study import exact_bar
+from flangeway_studies.elasticity import patch_space
+from flangeway_studies.patches import HALF, WHEEL_RADIUS, cut_surfaces, heights, published_gaps
+from flangeway_studies.registry import STUDIES
+from flangeway_studies.spatial_study import exact_bar
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from studies import registry
-from studies.registry import STUDIES
-from studies.study import Limit, Row, Study
+from flangeway_studies import registry
+from flangeway_studies.registry import STUDIES
+from flangeway_studies.study import Limit, Row, Study
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
@@ -86,7 +86,7 @@ def made_up(monkeypatch, tmp_path):
     """Two studies in the place of the others: one that passes and one that does not; and what they were asked."""
     asked = []
     (tmp_path / "text").mkdir()
-    monkeypatch.setattr("studies.study.files", lambda _: tmp_path)
+    monkeypatch.setattr("flangeway_studies.study.files", lambda _: tmp_path)
 
     def study(name, rows):
         (tmp_path / "text" / f"{name}.md").write_text(

@@ -1,7 +1,5 @@
 """``flangeway reproduce``."""
 
-import sys
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -19,7 +17,7 @@ from flangeway.cli.common import (
     shows_results,
     stdout,
 )
-from flangeway.errors import InputError
+from flangeway.errors import InputError, MissingLibraryError
 
 NAMES = (
     *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
@@ -59,12 +57,20 @@ def reproduce(
     show: Show,
 ) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
-    _find_studies()
     from flangeway.cases.case import closest  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
-    from studies.page import print_verdicts, write_page  # noqa: PLC0415
-    from studies.registry import STUDIES  # noqa: PLC0415
-    from studies.study import Computed  # noqa: PLC0415
+
+    try:
+        from flangeway_studies.page import print_verdicts, write_page  # noqa: PLC0415
+        from flangeway_studies.registry import STUDIES  # noqa: PLC0415
+        from flangeway_studies.study import Computed  # noqa: PLC0415
+    except ModuleNotFoundError as reason:
+        if reason.name != "flangeway_studies":
+            raise
+        raise MissingLibraryError(
+            "the published studies are the package flangeway-studies, which is not installed\n"
+            "  what to do: pip install flangeway-studies; in a checkout of flangeway: pip install ./studies"
+        ) from reason
 
     names = [*STUDIES, ALL]
     if name not in names:
@@ -97,19 +103,3 @@ def reproduce(
         print_verdicts(stdout(), computed)
     show.json(summaries if name == ALL else summaries[name])
     return all(done.passed for done in computed.values())
-
-
-def _find_studies() -> None:
-    """Make the package `studies` importable from the checkout if flangeway is run from its sources.
-
-    A wheel has it beside the package. It is an `InputError` if there is none.
-    """
-    root = Path(__file__).parents[3]
-    if (root / "studies" / "registry.py").is_file() and str(root) not in sys.path:
-        sys.path.insert(0, str(root))
-    if find_spec("studies") is None or find_spec("studies.registry") is None:
-        raise InputError(
-            f"no folder of studies in {root}",
-            "a checkout of flangeway or an installation from its wheel, both of which have the folder `studies`",
-            "install flangeway again from its wheel",
-        )

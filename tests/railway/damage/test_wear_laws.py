@@ -9,7 +9,7 @@ from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.track.placements import Track
-from studies.damage import A_MM, B_MM, FRICTION, WEAR_COEFFICIENT, HARDNESS_MPa, P0_MPa, SPEED_m_s, full_slip
+from flangeway_studies.damage import A_MM, B_MM, FRICTION, WEAR_COEFFICIENT, HARDNESS_MPa, P0_MPa, SPEED_m_s, full_slip
 
 Y = np.array([0.0, 2.0, 3.5])
 

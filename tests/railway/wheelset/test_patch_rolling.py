@@ -14,7 +14,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, box_o
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from studies.wheelset3d_study import as_half_spaces
+from flangeway_studies.wheelset3d_study import as_half_spaces
 from tests.railway.wheelset.conftest import coarse_case
 
 

@@ -27,7 +27,7 @@ from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed,
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, maximum_shear, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.types import Floats, Progress
-from studies.study import Limit, Published, Row, Run, published_rows
+from flangeway_studies.study import Limit, Published, Row, Run, published_rows
 
 # --- Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons.
 

@@ -18,8 +18,8 @@ from flangeway.cases.bodies.presets import ContactPatchCase
 from flangeway.contact import ContactSolution
 from flangeway.materials import Elastic
 from flangeway.post import corner_stresses
-from studies.hertz import largest_patch
-from studies.study import Limit, Row, Run
+from flangeway_studies.hertz import largest_patch
+from flangeway_studies.study import Limit, Row, Run
 
 PUBLISHED = -1125.0  # uniform vertical stress of (6.1) in kN/cm^2
 WIDTH, HEIGHT, APPROACH = 2.0, 1.0, 0.1

@@ -1,6 +1,6 @@
 """What a study of ``flangeway reproduce`` is, and what becomes of it: ``table.csv``, report, chapter of a page.
 
-A study is a function that yields rows, a text in ``studies/text/NAME.md``, and a line of `studies.registry.STUDIES`::
+A study is a function that yields rows, a text in ``text/NAME.md``, and a line of `registry.STUDIES`::
 
     def rows(run: Run) -> Iterator[Row]:
         found = solve(...)
@@ -15,7 +15,7 @@ these are::
 
     ![Pressures on Hertz's curve](pressure.png "x in mm | pressure in MPa")
 
-Published numbers are in ``studies/data``; see `published_rows`.
+Published numbers are in ``data``; see `published_rows`.
 """
 
 import re
@@ -231,7 +231,7 @@ class Study:
 
     @property
     def _file(self) -> str:
-        return (files("studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
+        return (files("flangeway_studies") / "text" / f"{self.name}.md").read_text(encoding="utf-8")
 
     def compute(self, *, quick: bool = False, progress: Progress = lambda _: None) -> "Computed":
         """Compute its rows."""
@@ -365,8 +365,8 @@ class Computed:
 
 
 def published_rows(name: str) -> list[dict[str, str]]:
-    """Rows of a published table in ``studies/data`` by column; lines that begin with ``#`` state the source."""
-    return packaged_rows("studies", name)
+    """Rows of a published table in ``data`` by column; lines that begin with ``#`` state the source."""
+    return packaged_rows("flangeway_studies", name)
 
 
 def published_values(name: str, case: str) -> Published:

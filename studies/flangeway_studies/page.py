@@ -8,7 +8,7 @@ from rich.console import Console
 from flangeway.report.page.record import SummaryTable, plain_table
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import text_writer, write_together
-from studies.study import COMPARED, Computed
+from flangeway_studies.study import COMPARED, Computed
 
 HEAD = """# Validation
 

@@ -36,7 +36,7 @@ from flangeway.solve import NonlinearSolution, StepSettings, solve_nonlinear
 from flangeway.space import Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
-from studies.study import Limit, Row, Run
+from flangeway_studies.study import Limit, Row, Run
 
 Function = Callable[[Floats], Floats]
 KINDS = ("triangles", "duals", "not convex")

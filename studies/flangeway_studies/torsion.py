@@ -14,7 +14,7 @@ from flangeway.problems import Torsion
 from flangeway.problems.torsion_problem import Formulation, Load
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
-from studies.study import Row, Run, published_rows
+from flangeway_studies.study import Row, Run, published_rows
 
 TRIANGLE = EquilateralTriangle(2.0 / 3.0**0.25)
 SECTIONS = {

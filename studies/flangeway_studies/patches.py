@@ -20,7 +20,7 @@ from flangeway.railway.profiles.joining import pieces_between
 from flangeway.railway.track.placements import Track
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.study import Row, Run, published_values
+from flangeway_studies.study import Row, Run, published_values
 
 # --- Contact patches in three dimensions: Hertz's ellipses, and conforming bodies.
 

@@ -15,8 +15,8 @@ from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeRed
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, RollingContact
 from flangeway.exact import LineContact, PointContact, contact_modulus
 from flangeway.materials import Elastic
-from studies.patches import HERTZ_STEEL, RADIUS, SEMI_AXIS, crowned
-from studies.rolling_cases import (
+from flangeway_studies.patches import HERTZ_STEEL, RADIUS, SEMI_AXIS, crowned
+from flangeway_studies.rolling_cases import (
     COARSE_LIMIT,
     MU,
     PUBLISHED_CELLS,
@@ -31,8 +31,8 @@ from studies.rolling_cases import (
     published,
     sphere_numbers,
 )
-from studies.study import Row, Run
-from studies.wheelset3d_study import benchmark_positions
+from flangeway_studies.study import Row, Run
+from flangeway_studies.wheelset3d_study import benchmark_positions
 
 # --- Rolling with friction on meshed bodies of finite size, beside half-spaces and closed forms.
 

@@ -17,8 +17,8 @@ from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.types import Floats
-from studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
-from studies.study import Row
+from flangeway_studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
+from flangeway_studies.study import Row
 
 YOUNG_MPA, POISSON = 210e3, 0.3
 MODULUS_MPA = YOUNG_MPA / (1.0 - POISSON**2)

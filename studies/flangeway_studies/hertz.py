@@ -18,7 +18,7 @@ from flangeway.exact import LineContact
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import PressurePatch
 from flangeway.types import Floats
-from studies.study import Row, Run, published_rows
+from flangeway_studies.study import Row, Run, published_rows
 
 CODES = ("FDO1", "VVO1", "FDO2", "VVO2", "VDO2", "HEO2")
 """Method, cells and order: finite, virtual, hybrid; Delaunay, Voronoi, edge-refined (Table 8)."""

@@ -20,9 +20,9 @@ from flangeway.problems import Body, Elasticity, Load, Part, Pressure, Torsion, 
 from flangeway.solve import solve_elasticity, solve_torsion
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.elasticity import CYLINDER, HELD, MATERIAL, PLATE, kirsch_plate, plate_traction, ring_sector
-from studies.hertz import rms_from_hertz
-from studies.study import Limit, Row, Run
+from flangeway_studies.elasticity import CYLINDER, HELD, MATERIAL, PLATE, kirsch_plate, plate_traction, ring_sector
+from flangeway_studies.hertz import rms_from_hertz
+from flangeway_studies.study import Limit, Row, Run
 
 ELEMENTS: dict[str, Element] = {f"V{k}": Virtual(k) for k in (1, 2, 3, 4)} | {f"F{k}": Lagrange(k) for k in (2, 3)}
 LEVELS = (8, 16, 32, 64)  # cells across the wall; the last for order 2, which needs more until chords show

@@ -22,13 +22,13 @@ from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import Solved, block, columns, face, shift, touching
-from studies.friction.ironing import ironing_rows
-from studies.friction.loaded_bodies import loaded_body_rows
-from studies.friction.punch_with_friction import punch_rows
-from studies.friction.revolved_contact import revolved_rows
-from studies.friction.sliding_bodies import sliding_rows
-from studies.study import Row, Run
+from flangeway_studies.friction.blocks import Solved, block, columns, face, shift, touching
+from flangeway_studies.friction.ironing import ironing_rows
+from flangeway_studies.friction.loaded_bodies import loaded_body_rows
+from flangeway_studies.friction.punch_with_friction import punch_rows
+from flangeway_studies.friction.revolved_contact import revolved_rows
+from flangeway_studies.friction.sliding_bodies import sliding_rows
+from flangeway_studies.study import Row, Run
 
 YOUNG_MPA, POISSON, MU = 210e3, 0.3, 0.3
 RADIUS_MM = 1000.0  # relative radius of the cylinders; their contact is about 2 mm wide

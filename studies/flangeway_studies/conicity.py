@@ -6,7 +6,7 @@ import numpy as np
 
 from flangeway.cases.rigid_run import find_geometry_case
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
-from studies.study import Limit, Row, Run, published_rows
+from flangeway_studies.study import Limit, Row, Run, published_rows
 
 COMBINATIONS: dict[str, tuple[str, str, float]] = {
     "E1": ("A", "A", 0.0), "E2": ("B", "B", 0.0), "E3": ("H", "H", 0.0), "E4": ("I", "I", 0.0),

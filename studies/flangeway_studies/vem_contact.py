@@ -12,9 +12,9 @@ from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToNode, Surface, press
 from flangeway.mesh import insert_nodes, match_boundaries
 from flangeway.problems import Body, Part
-from studies.contact_patch import LAWS, ROTATION_DEG, patch_test
-from studies.hertz import SLACK, largest_patch, published_case, rms_from_hertz
-from studies.study import Row, Run
+from flangeway_studies.contact_patch import LAWS, ROTATION_DEG, patch_test
+from flangeway_studies.hertz import SLACK, largest_patch, published_case, rms_from_hertz
+from flangeway_studies.study import Row, Run
 
 CODES = ("VVO1", "VVO2", "VDO2", "FDO2")
 """Polygons of order 1 and 2; triangles with virtual and with finite elements of order 2, those with inserted nodes

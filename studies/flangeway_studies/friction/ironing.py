@@ -6,7 +6,7 @@ Wriggers, 2006, Comput. Methods Appl. Mech. Eng. 195). The curves are those of F
 Oliver, R. Weyler, J. Cante and J. Hernandez (2009, ibid. 198), V. Yastrebov (2011, thesis, Mines ParisTech), K. Poulios
 and Y. Renard (2015, Comput. Struct. 153) and Code_Aster's test SSNP153, as collected in numbers by I. Batistic, P.
 Cardiff and Z. Tukovic (2022, Appl. Math. Model. 101; solids4foam, "solid-benchmarks"), see
-``studies/data/friction.csv``.
+``flangeway_studies/data/friction.csv``.
 
 The published bodies are neo-Hookean in large deformation; ours are linear in small strains, with large sliding, though
 the slab below the die is strained by about a third. So a number is asked to be between the least and the largest of the
@@ -27,8 +27,8 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
-from studies.friction.blocks import Solved, shift, touching
-from studies.study import Limit, Row, published_values
+from flangeway_studies.friction.blocks import Solved, shift, touching
+from flangeway_studies.study import Limit, Row, published_values
 
 SLAB_MPA, POISSON, MU = 689.6, 0.32, 0.3
 SLAB_MM, DIE_MM, ARC_MM, DIE_HEIGHT_MM, ARC_HEIGHT_MM = (12.0, 4.0), 1.2, 0.75, 1.2, 0.3

@@ -14,8 +14,8 @@ from flangeway.materials import Elastic
 from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.wheel_patch import SpatialPatch
 from flangeway.types import Floats, Progress
-from studies.study import Published, Row, Run, published_values
-from studies.wheelset3d_study import TABLE, BenchmarkPosition, PressedWheel, on_square_cells
+from flangeway_studies.study import Published, Row, Run, published_values
+from flangeway_studies.wheelset3d_study import TABLE, BenchmarkPosition, PressedWheel, on_square_cells
 
 # --- Rolling with friction beside closed forms and published numbers.
 

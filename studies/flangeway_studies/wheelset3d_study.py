@@ -24,8 +24,8 @@ from flangeway.railway.wheelset.wheel_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.railway.wheelset.wheelset_newton import pose_of
 from flangeway.types import Floats
-from studies.patches import pressed_profiles, profile_numbers
-from studies.study import Limit, Row, Run, percent, published_rows
+from flangeway_studies.patches import pressed_profiles, profile_numbers
+from flangeway_studies.study import Limit, Row, Run, percent, published_rows
 
 # --- One wheel pressed on its rail in a given position, by the means of the wheelset in three dimensions.
 

@@ -16,9 +16,9 @@ from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, W
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
-from studies.rolling_cases import STEEL as STEEL_OF_LINES
-from studies.rolling_cases import line
-from studies.study import Limit, Row, Run
+from flangeway_studies.rolling_cases import STEEL as STEEL_OF_LINES
+from flangeway_studies.rolling_cases import line
+from flangeway_studies.study import Limit, Row, Run
 
 A_MM, B_MM, FORCE_N, FRICTION, CREEPAGE, SPEED_m_s = 6.0, 4.0, 1e5, 0.3, 0.01, 30.0
 """Hertz's ellipse in full slip, 2 a along rolling."""

@@ -26,7 +26,7 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Tra
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
-from studies.study import Limit, Row, Run, published_rows
+from flangeway_studies.study import Limit, Row, Run, published_rows
 
 PATCH_METHODS = ("FD", "VD", "VV", "HE")
 """Lagrange triangles, virtual triangles, virtual polygons, and Lagrange triangles inside with virtual quadrilaterals

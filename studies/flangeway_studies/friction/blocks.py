@@ -12,7 +12,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.types import Floats
-from studies.study import Run
+from flangeway_studies.study import Run
 
 
 def growing(start: float, size: float, end: float, factor: float = 1.3) -> Floats:

@@ -28,8 +28,8 @@ from flangeway.mesh import PolyMesh, curved, rectangle_grid
 from flangeway.problems import Body, Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import Solved, shift, touching
-from studies.study import Row
+from flangeway_studies.friction.blocks import Solved, shift, touching
+from flangeway_studies.study import Row
 
 YOUNG_MPA, MU, RIGID = 210e3, 0.3, 1e4
 STRIP_MM, STRIP_HEIGHT_MM, STRIP_MPA, SLIPPING = 60.0, 1.0, 100.0, 0.7  # SLIPPING: part of the strip at the reversals

@@ -22,8 +22,8 @@ from flangeway.solve import HarmonicSolution, solve_harmonic
 from flangeway.space import CellBatch, Space
 from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
-from studies.patches import conforming_rows, hertz_rows
-from studies.study import Limit, Row, Run, percent, published_rows
+from flangeway_studies.patches import conforming_rows, hertz_rows
+from flangeway_studies.study import Limit, Row, Run, percent, published_rows
 
 # --- A bar under a pressure that varies as a cosine, as a prism and a body of revolution, and a disc under two forces.
 

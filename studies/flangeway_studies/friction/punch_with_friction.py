@@ -7,7 +7,8 @@ A 305; 1973, Math. Proc. Camb. Phil. Soc. 73), and so is the part of the force w
 apart. No citable equation of c is known to us for the plane
 with pressure and traction coupled; ``tests/validation/test_punch_with_friction.py`` solves the equations of the flat
 punch (K. L. Johnson, 1985, "Contact Mechanics", 2.25) by themselves, an independent route, whose values are in
-``studies/data/friction.csv``. With a coefficient of 10 nothing slips (N. I. Muskhelishvili, 1953; Johnson, 1985, 2.8).
+``flangeway_studies/data/friction.csv``. With a coefficient of 10 nothing slips (N. I. Muskhelishvili, 1953;
+Johnson, 1985, 2.8).
 """
 
 from collections.abc import Iterator
@@ -18,8 +19,8 @@ from flangeway.contact import ContactSolution, press
 from flangeway.materials import Elastic
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
-from studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
-from studies.study import Row, published_values
+from flangeway_studies.friction.blocks import Solved, block, columns, face, growing, shift, touching
+from flangeway_studies.study import Row, published_values
 
 YOUNG_MPA, POISSON, RIGID = 210e3, 0.3, 1e4  # RIGID: ratio of the stiffness of the punch to the half-plane's
 FRICTIONS, STICKING = (0.2, 0.3), 10.0

@@ -1,6 +1,6 @@
 """What ``flangeway reproduce`` can compute, in the order of the page of validation."""
 
-from studies import (
+from flangeway_studies import (
     conicity,
     contact_patch,
     curved,
@@ -15,8 +15,8 @@ from studies import (
     wheel_rail_study,
     wheelset3d_study,
 )
-from studies.friction import friction_study
-from studies.study import Study
+from flangeway_studies.friction import friction_study
+from flangeway_studies.study import Study
 
 STUDIES = {
     name: Study(name, module.rows)

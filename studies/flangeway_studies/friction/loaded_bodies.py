@@ -46,8 +46,8 @@ from flangeway.problems.body import Components
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Bools, Floats
-from studies.friction.blocks import Solved, columns, touching
-from studies.study import Row, published_values
+from flangeway_studies.friction.blocks import Solved, columns, touching
+from flangeway_studies.study import Row, published_values
 
 PLATE_MM, PLATE_CELLS = 40.0, (8, 16, 32)
 PRESSURE_MPA, PUSH_MPA = 50.0, 150.0
