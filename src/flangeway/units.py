@@ -6,6 +6,7 @@ Factors are exact: 1 in = 25.4 mm, 1 lb = 0.45359237 kg, standard gravity 9.8066
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -106,11 +107,12 @@ def _converted(unit: str) -> tuple[str, Fraction] | None:
     return None if factor == 1 else (text, factor)
 
 
+def metric_key(key: str, known: Iterable[str]) -> tuple[str, UsUnit | None]:
+    """Return the metric one of the known keys that a key means, and the US unit that it has; else the key itself."""
+    in_us = {unit.name: (name, unit) for name in known if (unit := us_key(name))}
+    return in_us.get(key, (key, None))
+
+
 def same_quantity(key: str, other: str) -> bool:
     """Whether two different keys are one quantity in both systems."""
     return any(unit is not None and unit.name == name for unit, name in ((us_key(key), other), (us_key(other), key)))
-
-
-def shown(value: float) -> str:
-    """Return a converted number with four digits, more where it is above 10,000."""
-    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"

@@ -53,6 +53,45 @@ def written(tmp_path):
     return write
 
 
+def test_all_paths_of_a_file_take_us_units(written) -> None:
+    """Inputs, states, their ranges, settings, limits and strategies in US units are the same as the metric ones."""
+    end, states = "end = 100\n", "curve_radius_m = 600"
+    more = "{}\n[limits]\n{}\n[strategies.wide.inputs]\n{}\n"
+    metric = DamageFile.read(
+        written(
+            ("speed_km_h = 80", "speed_km_h = 80\ngauge_mm = 1435.1\naxle_load_kN = 150"),
+            (states, "curve_radius_m = [609.6, 304.8]\nparts = 2\naxle_load_kN = 160"),
+            (end, end + more.format("max_depth_mm = 0.0254", "max_tread_wear_mm = 2.54", "gauge_mm = 1447.8")),
+        )
+    ).strategies()
+    us = DamageFile.read(
+        written(
+            ("speed_km_h = 80", f"speed_mph = {80 / 1.609344!r}\ngauge_in = 56.5\naxle_load_kN = 150"),
+            (states, f"curve_radius_ft = [2000, 1000]\nparts = 2\naxle_load_kip = {160 / 4.4482216152605!r}"),
+            (end, end + more.format("max_depth_in = 0.001", "max_tread_wear_in = 0.1", "gauge_mm = 1447.8")),
+        )
+    ).strategies()
+    assert [*us] == [*metric] == ["line", "wide"]
+    for one, other in zip(metric.values(), us.values(), strict=True):
+        assert other.evolution.settings == one.evolution.settings
+        for state, same in zip(one.evolution.collective.states, other.evolution.collective.states, strict=True):
+            assert same.problem.track.gauge_mm == state.problem.track.gauge_mm
+            assert same.problem.load.vertical_N == pytest.approx(state.problem.load.vertical_N, rel=1e-14)
+            assert same.problem.load.lateral_N == pytest.approx(state.problem.load.lateral_N, rel=1e-12)
+    assert us["wide"].evolution.collective.states[0].problem.track.gauge_mm == 1447.8
+
+
+def test_inputs_of_a_bundled_collective_in_us_units_are_refused(written) -> None:
+    """An input in US units that a bundled collective has is refused as the metric one is."""
+    states = ("[[states]]\nshare = 1\ncurve_radius_m = 600", "")
+    for key in ("gauge_in = 56.5", "gauge_mm = 1435.1"):
+        file = written(
+            states, ("friction = 0.3\nspeed_km_h = 80", key), ("[inputs]", 'collective = "tangent"\n[inputs]')
+        )
+        with pytest.raises(InputError, match=f"line 9: {key[:8]} with a bundled collective"):
+            DamageFile.read(file).strategies()
+
+
 @pytest.mark.ci
 def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
     """The summary, the table of steps and the worn profile have the same numbers, and a second run computes nothing."""

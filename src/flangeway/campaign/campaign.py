@@ -17,7 +17,7 @@ from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash
 from flangeway.errors import InputError, located, short
 from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
 from flangeway.system.output_folder import versions
-from flangeway.units import Units, us_key
+from flangeway.units import Units, metric_key
 
 # --- Values of the inputs that vary: lists, ranges, and tables in CSV.
 
@@ -408,8 +408,7 @@ class _CampaignText(TomlFile):
                 "columns of wheelsets",
                 "leave it out: all are kept",
             )
-        in_us = {unit.name: name for name in known if (unit := us_key(name))}
-        columns = [in_us.get(name, name) for name in columns]
+        columns = [metric_key(name, known)[0] for name in columns]
         for name in columns:
             require_known(f"{location}results.columns", name, known)
         return tuple(columns)

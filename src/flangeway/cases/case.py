@@ -25,7 +25,7 @@ from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key, Progress
-from flangeway.units import Units, UsUnit, same_quantity, us_key
+from flangeway.units import Units, UsUnit, metric_key, same_quantity, us_key
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
@@ -165,12 +165,7 @@ class Table(BaseModel):
     @classmethod
     def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
         """Name of the input that a key means, and the US unit that the key has; the key itself if there is none."""
-        if key not in cls.model_fields:
-            for name in cls.model_fields:
-                unit = us_key(name)
-                if unit is not None and unit.name == key:
-                    return name, unit
-        return key, None
+        return (key, None) if key in cls.model_fields else metric_key(key, cls.model_fields)
 
     @classmethod
     def tables_of_inputs(cls, units: Units = "metric", path: str = "") -> list[tuple[str, list[InputRow]]]:

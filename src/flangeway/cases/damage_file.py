@@ -7,16 +7,18 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, create_model
 
-from flangeway.cases.case import Table, require_known
+from flangeway.cases.case import Table, merged, require_known
 from flangeway.cases.case_file import resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
+from flangeway.railway.damage.worn_surface import LIMITS
 from flangeway.railway.track.wheelset_problem import Role
 from flangeway.system.file_content import TomlFile, TomlKind
 from flangeway.types import Key
+from flangeway.units import metric_key
 
 LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
 
@@ -155,7 +157,7 @@ class DamageFile(TomlFile):
                 require_known("collective", name, COLLECTIVES)
         # a bundled state gives its own track, speed and friction; inputs of the file the rest
         for bundled in COLLECTIVES.get(name, ()):
-            for key in sorted(inputs.keys() & bundled.keys()):
+            for key in sorted(key for key in inputs if metric_key(key, bundled)[0] in bundled):
                 raise InputError(
                     f"{self.place(('inputs', key))}{key} with a bundled collective, whose states have their own",
                     "other inputs, or [[states]] in the place of collective",
@@ -170,13 +172,17 @@ class DamageFile(TomlFile):
         for number, state in enumerate(given):
             with located(self.place(("states", number) if tables.states else ("collective",))):
                 parts = parts_of(state)
-            states += [self._state(inputs | part, number if tables.states else None) for part in parts]
+            states += [self._state(merged(inputs, part), number if tables.states else None) for part in parts]
         settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
         given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
         laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
+        limits = {}
+        for key, value in tables.limits.items():
+            limit, unit = metric_key(key, LIMITS)
+            limits[limit] = unit.to_metric(value) if unit else value
         with located(f"{self.file}: "):
             collective = Collective(states, tables.sides == "separate")
-            evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=tables.limits))
+            evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=limits))
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
@@ -184,7 +190,7 @@ class DamageFile(TomlFile):
         name, share = values.pop("name"), values.pop("share")
         location = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         with located(f"{location}{name}: "):
-            case = SpatialWheelsetCase.from_values(values | self._resolved(self.changed_inputs, "inputs"))
+            case = SpatialWheelsetCase.from_values(merged(values, self._resolved(self.changed_inputs, "inputs")))
             if case.model == "plane":
                 raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
             return RunningState(name, share, case.problem(), case.spatial_model())
@@ -213,11 +219,11 @@ class DamageFile(TomlFile):
 
 def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables with changes inside of them; a wear law with its name takes the place of the other law."""
-    merged = dict(tables)
-    for key, value in changes.items():
-        inside = isinstance(value, Mapping) and "law" not in value
-        merged[key] = _merged(tables.get(key, {}), value) if inside else value
-    return merged
+    inner = {
+        key: _merged(tables.get(key, {}), value) if isinstance(value, Mapping) and "law" not in value else value
+        for key, value in changes.items()
+    }
+    return merged(tables, inner)
 
 
 def _lines(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:

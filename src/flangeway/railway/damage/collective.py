@@ -15,6 +15,7 @@ from flangeway.railway.wheelset.running_surfaces import SpatialModel
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
 RADIUS = "curve_radius_m"
+RADII = (RADIUS, "curve_radius_ft")
 SurfaceKey = tuple[Role, Side]
 """Whose profile: with the mean of both sides, ``right`` stands for both."""
 
@@ -177,7 +178,7 @@ def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
     ranges, number, name = ranges_of(state), state.get("parts", 1), state["name"]
     for key, pair in ranges.items():
         numbers = [number for number in pair if isinstance(number, int | float) and math.isfinite(number)]
-        if len(pair) != 2 or len(numbers) != 2 or (key == RADIUS and not numbers[0] * numbers[1] > 0.0):
+        if len(pair) != 2 or len(numbers) != 2 or (key in RADII and not numbers[0] * numbers[1] > 0.0):
             raise InputError(
                 f"{name}: {key} = {list(pair)}",
                 "a number, or the two ends of a range; of radii both > 0 or both < 0",
@@ -194,9 +195,9 @@ def parts_of(state: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _between(key: str, ends: Sequence[float], fraction: float) -> float:
-    first, last = (1.0 / end if key == RADIUS else end for end in ends)
+    first, last = (1.0 / end if key in RADII else end for end in ends)
     value = first + (last - first) * fraction
-    return 1.0 / value if key == RADIUS else value
+    return 1.0 / value if key in RADII else value
 
 
 def _tangent(share: float, speed: float, friction: float = 0.3) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from flangeway.system.output_folder import bytes_writer, text_writer, write_toge
 from flangeway.system.templates import templates
 from flangeway.system.workbook import csv_tables, write_workbook
 from flangeway.types import Progress
-from flangeway.units import Units, shown, unit_in, us_key
+from flangeway.units import Units, unit_in, us_key
 
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
@@ -331,5 +331,6 @@ def _changes(convergence: Convergence) -> SummaryTable:
     rows = []
     for key, (coarse, fine) in table.columns.items():
         over = f"{100.0 * (fine - coarse) / abs(coarse):+.2f}" if abs(fine - coarse) < abs(coarse) else "–"
-        rows.append((key, shown(coarse), shown(fine), f"{fine - coarse:+.2g}", over))
+        texts = (f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}" for value in (coarse, fine))
+        rows.append((key, *texts, f"{fine - coarse:+.2g}", over))
     return SummaryTable("Sizes halved", ("", "given", "half", "change", "change, %"), tuple(rows))
