@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES, load_case, schema, write_template
-from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import check_case, read_case, write_case_file
 from flangeway.cases.rigid_run import find_geometry_case, read_geometry_case
 from flangeway.contact import NodeToSegment, Penalty
@@ -30,6 +29,7 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad
+from flangeway.records import GivenText
 from flangeway.report.damage_record import row_quantities
 from flangeway.report.page.html_page import command_line
 from flangeway.report.page.record import About, table_across, table_of
@@ -118,7 +118,7 @@ def _leaves(value):
 
 
 WRONG = [
-    ({"gauge_in": 56.5, "gauge_mm": 1435.0}, ["gauge_in, and the same quantity in another unit", "leave gauge_in"]),
+    ({"gauge_in": 56.5, "gauge_mm": 1435.0}, ["gauge_mm, and the same quantity in another unit", "leave gauge_mm"]),
     ({"wheel_radius_in": 2.0}, ["wheel_radius_in = 2.0\n", "a number from 5.90551", "default 18.1102"]),
     ({"axle_load_kips": 70}, ["did you mean axle_load_kip?"]),
     ({"gauge_in": 30.0}, ["gauge_mm = 762 without back_to_back_mm"]),
@@ -155,8 +155,7 @@ def test_errors_of_a_whole_case_name_the_line_of_the_key_with_us_units(tmp_path)
 
 def test_the_schema_has_the_keys_with_us_units():
     """Editors complete both keys; limits are in their units, and one of both is enough where a quantity is needed."""
-    described = schema()
-    case = next(each for each in described["oneOf"] if each["properties"]["case"]["const"] == "wheelset")
+    case, described = schema(CASES["wheelset"]), schema(CASES["two-bodies"])
     assert case["properties"]["wheel_radius_in"]["minimum"] == pytest.approx(150 / 25.4)
     assert case["properties"]["wheel_radius_mm"]["minimum"] == 150
     disc = next(each for name, each in described["$defs"].items() if name.startswith("Disc"))

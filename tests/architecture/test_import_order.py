@@ -16,6 +16,7 @@ ORDER = (
     "results",
     "quantities",
     "system",
+    "records",
     "exact",
     "geometry",
     "mesh",

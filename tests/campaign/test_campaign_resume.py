@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 from pydantic import Field
 from flangeway.solve import Status
-from flangeway.cases.case import RunnableCase
+from flangeway.cases.case import (RunnableCase)
 from flangeway.cases.case_file import CASES
 
 @dataclass

@@ -11,7 +11,7 @@ import pytest
 from flangeway.cases.case_file import CASES, write_template
 from flangeway.cases.wheelset.wheelset_quantities import SPATIAL_FURTHER, SPATIAL_MAIN
 from flangeway.report.page.html_page import report_page
-from flangeway.report.page.record import Again, Record, SummaryTable
+from flangeway.report.page.record import Again, Report, SummaryTable
 
 NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
 SHOWN = """[...document.querySelectorAll('header, main section:not([aria-labelledby=fields]), footer')]
@@ -70,7 +70,7 @@ def test_no_number_of_a_patch_is_cut(browser, tmp_path, n_patches):
         return SummaryTable(caption, ("", *names[:n_patches]), tuple(rows))
 
     results, further = table("Results", SPATIAL_MAIN), table("Patches", SPATIAL_FURTHER)
-    record = Record(
+    record = Report(
         name="w", title="A wheelset", subtitle="", converged=True, message="", results=results, tables=[further],
         summary={}, again=Again("flangeway run wheelset"),
     )  # fmt: skip

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES, load_case
-from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import read_case, write_case_file
 from flangeway.cases.section_run import TorsionCase
 from flangeway.post import corner_stresses
+from flangeway.records import GivenText
 from flangeway.report import scenes, write_case
 from flangeway.report.bodies_page import bodies_record
 from flangeway.report.figures.display import shown_cells

@@ -12,9 +12,10 @@ from typing import Any
 
 from pydantic import Field, create_model
 
-from flangeway.cases.case import GivenText, RunnableCase, Table, require_known
+from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
+from flangeway.records import GivenText, Record, require_known
 from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
 from flangeway.system.output_folder import versions
 from flangeway.units import Units, metric_key
@@ -25,9 +26,9 @@ from flangeway.units import Units, metric_key
 RANGE_KEYS = ("from", "to", "n", "step")
 MAX_ROWS = 1_000_000
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
-RangeTable: type[Table] = create_model(
+RangeTable: type[Record] = create_model(
     "RangeTable",
-    __base__=Table,
+    __base__=Record,
     **{
         "from": (float, Field(description="first value")),
         "to": (float, Field(description="last value")),
@@ -283,14 +284,14 @@ class Campaign:
         return tuple(chunks)
 
 
-class ResultsTable(Table):
+class ResultsTable(Record):
     """Which results are kept."""
 
     columns: list[str] = Field([])
     """names of columns of wheelsets (default: all)"""
 
 
-class CampaignTables(Table):
+class CampaignTables(Record):
     """Tables of the file."""
 
     case: str
@@ -306,7 +307,7 @@ class CampaignTables(Table):
 
     @classmethod
     def called(cls) -> str:
-        """See `Table.called`."""
+        """See `Record.called`."""
         return "a campaign; those of its case belong under [inputs] or [vary]"
 
 
@@ -433,7 +434,7 @@ def _read(case: RunnableCase, key: str, value: Any) -> Any:
         if isinstance(entry, list | tuple):
             known = {str(number): item for number, item in enumerate(entry, 1)}
             entry = (known | {getattr(item, "name", None): item for item in entry}).get(name)
-        elif isinstance(entry, Table):
+        elif isinstance(entry, Record):
             metric, unit = entry.input_named(name)
             entry = getattr(entry, metric, None)
             entry = unit.of(entry) if unit else entry

@@ -6,13 +6,13 @@ from typing import Any
 from pydantic import Field
 
 from flangeway.campaign.campaign import CAMPAIGN_FILE, flattened, grid, values_of
-from flangeway.cases.case import Table
 from flangeway.cases.damage_file import DamageFile, DamageInputs
 from flangeway.errors import InputError
+from flangeway.records import Record
 from flangeway.system.file_content import TomlFile
 
 
-class DamageCampaignTables(Table):
+class DamageCampaignTables(Record):
     """Tables of the file."""
 
     damage: str
@@ -22,7 +22,7 @@ class DamageCampaignTables(Table):
 
     @classmethod
     def called(cls) -> str:
-        """See `Table.called`."""
+        """See `Record.called`."""
         return "a campaign with damage; other keys belong into the damage file, or under [vary]"
 
 

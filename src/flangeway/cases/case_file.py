@@ -1,29 +1,21 @@
 """The cases by name and in TOML files: reading them, their identity, and files to begin with."""
 
 import hashlib
+import itertools
 import json
 import math
 import os
 import re
 import textwrap
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.bodies.bodies_run import TwoBodiesCase
 from flangeway.cases.bodies.presets import ContactPatchCase, CookCase, HertzCase
-from flangeway.cases.case import (
-    OF_REPORT,
-    RunnableCase,
-    Table,
-    allowed,
-    closest,
-    key_text,
-    merged,
-    table_in,
-)
+from flangeway.cases.case import OF_REPORT, RunnableCase
 from flangeway.cases.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section_run import TorsionCase
 from flangeway.cases.spatial_case import CraneWheelCase, CrossedCylindersCase, RollerCase, SpatialCase
@@ -32,6 +24,20 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, located, short
 from flangeway.railway.profiles.formats.slice_files import files_of
+from flangeway.records import (
+    TAG,
+    Record,
+    allowed,
+    alternatives,
+    are_tables,
+    closest,
+    default_of,
+    key_text,
+    kind_of,
+    path_by_ending,
+    records_in,
+    with_settings,
+)
 from flangeway.system.file_content import TomlFile, TomlKind, is_file
 from flangeway.system.output_folder import versions
 from flangeway.types import Key
@@ -126,8 +132,8 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
         return _by_name(str(name_or_file), given)
     text = _text_of(name_or_file)
     case, values = text.case()
-    inputs = _set(_with_tables(case, resolved(text, values, text.file.parent), given), given)
-    replaced = {key.partition(".")[0] for key in given}
+    inputs = with_settings(case, resolved(text, values, text.file.parent), given)
+    replaced = {path_by_ending(case, key)[0] for key in given}
 
     def where(key: Key) -> str:
         return "" if key and key[0] in replaced else text.place(key)
@@ -137,7 +143,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
 
 def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
     case = find_case(name)
-    values = _set(_with_tables(case, {}, settings), settings)
+    values = with_settings(case, {}, settings)
     missing = [key for key in case.example if case.model_fields[key].is_required() and key not in values]
     if missing:
         raise InputError(
@@ -287,47 +293,6 @@ def resolved(file: TomlFile, values: Mapping[str, Any], folder: Path, above: Key
     return made
 
 
-def _with_tables(case: type[RunnableCase], values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Values with the default of each table that settings name."""
-    named = {name.partition(".")[0] for name in settings if "." in name}
-    defaults = {
-        key: case.model_fields[key].get_default(call_default_factory=True) for key in named & {*case.model_fields}
-    }
-    tables = {
-        key: default.model_dump(exclude_unset=True) for key, default in defaults.items() if isinstance(default, Table)
-    }
-    return tables | values
-
-
-def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values with some replaced, those inside tables named by points."""
-    changed = merged(values, {name: value for name, value in settings.items() if "." not in name})
-    for name, value in settings.items():
-        if "." in name:
-            _set_inside(changed, name.split("."), value, name)
-    return changed
-
-
-def _set_inside(table: Any, path: list[str], value: Any, name: str, above: str = "") -> None:
-    """Replace a value below a table or a list; `above` is the path to it, for the message."""
-    item, *inner = path
-    if isinstance(table, dict) and not inner:
-        changed = merged(table, {item: value})
-        table.clear()
-        table.update(changed)
-        return
-    known: dict[str, Any] = table if isinstance(table, dict) else {}
-    if isinstance(table, list):
-        known = {str(number): entry for number, entry in enumerate(table, 1)}
-        known |= {str(entry["name"]): entry for entry in table if isinstance(entry, dict) and "name" in entry}
-    if item not in known or not inner:
-        raise InputError(
-            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
-            "name tables by their keys, and items of lists by their numbers from 1 or their names",
-        )  # fmt: skip
-    _set_inside(known[item], inner, value, name, f"{above}.{item}".removeprefix("."))
-
-
 # --- Identity of cases by the content of their inputs, and of the bodies that several cases share.
 
 
@@ -376,79 +341,93 @@ WIDTH = 110
 def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
     """Return the text of a case file.
 
-    Keys that most users change are set, the others are comments with their defaults: the file computes the same as
+    Inputs that most users change are set, the others are comments with their defaults: the file computes the same as
     the case without inputs, up to round-off where its keys have US units.
     """
+    example = dict(case.example) | ({"units": units} if units == "us" else {})
     lines = [
+        f"#:schema {case.name}.schema.json",
         f"# {case.title}.",
         "#",
         f"# Compute it with `flangeway run` and this file's name. `flangeway cases {case.name}` explains the keys;",
         "# lines that start with # are comments: remove the # to set a key.",
+        f"# `flangeway schema {case.name} --to {case.name}.schema.json` lets editors complete them.",
         "",
         f"flangeway = {FORMAT}  # format of this file",
         f'case = "{case.name}"',
     ]
-    plain = {key: field for key, field in case.described_fields().items() if table_in(field.annotation) is None}
-    for key, field in plain.items():
-        active = key in case.essential or key in case.example
-        value = case.example.get(key, _default(field))
-        if key == "units" and units == "us":
-            value, active = units, True
-        lines += ["", *_entry(key, field, value, units, active=active)]
-    for key, field in case.model_fields.items():
-        table = table_in(field.annotation)
-        if table is not None:
-            lines += _tables(key, field, table, case.example.get(key), units)
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_template_of(case, (), example, case.essential, units)]) + "\n"
 
 
 def write_case_file(case: RunnableCase) -> str:
-    """Return the text of a case file that computes a case again: all inputs that are set, with all digits.
+    """Return the text of a case file that computes a case again: all inputs that are not the defaults, with all digits.
 
-    Defaults are written too, but for those inside tables. Names of files are as given, in tables relative to the
-    current folder; a case file reads them from its own folder.
+    Names of files are as given, in tables relative to the current folder; a case file reads them from its own folder.
     """
-    lines, tables = [f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}"], list[str]()
-    of_tables = case.model_dump(exclude_defaults=True)
-    for key, field in type(case).model_fields.items():
-        value = getattr(case, key)
-        if table_in(field.annotation) is None:
-            lines += [] if value is None else [f"{key} = {toml_value(value)}"]
+    values = case.model_dump(exclude_defaults=True)
+    return "\n".join([f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}", *_toml_lines(values, ())]) + "\n"
+
+
+def _toml_lines(table: Mapping[str, Any], above: tuple[str, ...]) -> list[str]:
+    """Lines of a table: plain values, then the tables in it and the lists of tables under their headers."""
+    lines, inner = list[str](), list[str]()
+    for key, value in table.items():
+        path = (*above, key)
+        if isinstance(value, Mapping):
+            inside = _toml_lines(value, path)
+            inner += ["", f"[{'.'.join(path)}]", *inside] if inside and inside[0] else inside
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            for item in value:
+                inner += ["", f"[[{'.'.join(path)}]]", *_toml_lines(item, path)]
+        elif value is not None:
+            seen = os.path.relpath(value) if above and key in FILE_KEYS and is_file(Path(value)) else value
+            lines.append(f"{key} = {toml_value(seen)}")
+    return [*lines, *inner]
+
+
+def _template_of(
+    record: type[Record], above: tuple[str, ...], example: Mapping[str, Any], essential: Sequence[str], units: Units
+) -> list[str]:
+    """Lines of a record: keys with their meanings, those of the example and the essential ones set, then its tables.
+
+    - `above`: path of its table.
+    """
+    lines, inner = list[str](), list[str]()
+    for key, field in record.described_fields().items():
+        path, kinds = (*above, key), records_in(field.annotation)
+        if not are_tables(field.annotation):
+            value = example.get(key, default_of(field))
+            active = key in example or ".".join(path) in essential
+            lines += ["", *_entry(key, field, value, units, active=active)]
             continue
-        several = isinstance(value, list)
-        for item in of_tables.get(key, []) if several else [of_tables.get(key, {})]:
-            tables += ["", f"[[{key}]]" if several else f"[{key}]"] if item else []
-            for name, entry in item.items():
-                seen = os.path.relpath(entry) if name in FILE_KEYS else entry
-                tables.append(f"{name} = {toml_value(seen)}")
-    return "\n".join([*lines, *tables]) + "\n"
+        origins = {get_origin(kind) for kind in alternatives(field.annotation)}
+        name, items = ".".join(path) + (".NAME" if dict in origins else ""), example.get(key, [])
+        items = items if isinstance(items, list) else [items]
+        is_set = bool(items) or any(entry.startswith(f"{name}.") for entry in essential)
+        header = f"[[{name}]]" if list in origins else f"[{name}]"
+        kind = type(default) if isinstance(default := default_of(field), Record) else kinds[0]
+        tags = [f"{TAG} = {kind_of(one)}" for one in kinds if kind_of(one)]
+        words = f" ({', '.join(tags)})" if len(kinds) > 1 else ""
+        inner += ["", "", *_comment(f"{field.description}{words}")]
+        body = _template_of(kind, path, items[0] if items else {}, essential, units)
+        # a table that is not set is a comment with all that is in it
+        inner += (
+            [header, *body] if is_set else [line if line[:1] in ("", "#") else f"# {line}" for line in (header, *body)]
+        )
+        for item in items[1:]:
+            inner += ["", header, *(_line(entry, value, units) for entry, value in item.items())]
+    return [*lines, *inner]
 
 
-def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units: Units) -> list[str]:
-    """Tables of one key: those of the example, or one as a comment."""
-    several = isinstance(_default(field), list) or isinstance(example, list)
-    header = f"[[{key}]]" if several else f"[{key}]"
-    items = example if isinstance(example, list) else [example] if example else []
-    first, comment = (items[0], "") if items else ({}, "#")
-    lines = ["", "", f"# {field.description}.", f"{comment} {header}".strip()]
-    for name, entry in table.described_fields().items():
-        lines += [comment, *_entry(name, entry, first.get(name, _default(entry)), units, active=name in first)]
-    for item in items[1:]:
-        lines += ["", header, *(_line(name, value, units) for name, value in item.items())]
-    return lines
+def _comment(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent="# ", subsequent_indent="# ", break_long_words=False,
+                         break_on_hyphens=False)  # fmt: skip
 
 
 def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool) -> list[str]:
     """Comment and line of a key."""
     unit = us_key(key) if units == "us" else None
-    lines = textwrap.wrap(
-        f"{field.description} ({allowed(field, unit)})",
-        WIDTH,
-        initial_indent="# ",
-        subsequent_indent="# ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    lines = _comment(f"{field.description} ({allowed(field, unit)})")
     if value is None or value == []:
         return [*lines, f"# {unit.name if unit else key} ="]
     return [*lines, ("" if active else "# ") + _line(key, value, units)]
@@ -473,10 +452,6 @@ def _with_us_keys(value: Any) -> Any:
     }
 
 
-def _default(field: FieldInfo) -> Any:
-    return None if field.is_required() else field.get_default(call_default_factory=True)
-
-
 def toml_value(value: Any) -> str:
     """Write a value as TOML; lists and tables in one line."""
     if isinstance(value, bool):
@@ -487,70 +462,86 @@ def toml_value(value: Any) -> str:
         return repr(value)
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, Table):
+    if isinstance(value, Record):
         value = value.model_dump(exclude_defaults=True)
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {toml_value(entry)}" for key, entry in value.items()) + " }"
     return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
 
 
-def schema() -> dict[str, Any]:
-    """Return the JSON Schema of case files, with the keys, units, ranges and meanings of all cases.
+def schema(case: type[RunnableCase]) -> dict[str, Any]:
+    """Return the JSON Schema of the files of a case, with keys, units, ranges and meanings.
 
     Editors use it for completion and to mark mistakes, as those with Taplo where the first line of a file is
-    ``#:schema flangeway.schema.json``.
+    ``#:schema wheelset.schema.json``.
     """
-    choices: list[dict[str, Any]] = []
-    definitions: dict[str, Any] = {}
-    for name, case in CASES.items():
-        for table in _tables_of(case):
-            table.described_fields()
-            table.model_rebuild(force=True)  # a model that has checked values keeps what it knew then
-        described = case.model_json_schema()
-        definitions |= described.pop("$defs", {})
-        _add_us_keys(described)
-        choices.append(
-            {
-                "title": case.title,
-                "type": "object",
-                "properties": {
-                    "flangeway": {"const": FORMAT, "description": "format of the file; may be left out"},
-                    "case": {"const": name, "description": case.title},
-                    **described["properties"],
-                },
-                "required": ["case", *described.get("required", [])],
-                **{key: described[key] for key in ("allOf",) if key in described},
-                "additionalProperties": False,
-            }
-        )
-    for definition in definitions.values():
-        _add_us_keys(definition)
+    tables = _tables_of(case)
+    for table in tables:
+        table.described_fields()
+        table.model_rebuild(force=True)  # a model that has checked values keeps what it knew then
+    described = case.model_json_schema()
+    definitions = described.pop("$defs", {})
+    names = {table.__name__: table for table in tables}
+    for name, definition in definitions.items():
+        _accept_all_spellings(definition, names.get(name))
+    _accept_all_spellings(described, case)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Case file of flangeway",
-        "oneOf": choices,
+        "title": case.title,
+        "type": "object",
+        "properties": {
+            "flangeway": {"const": FORMAT, "description": "format of the file; may be left out"},
+            "case": {"const": case.name, "description": case.title},
+            **described["properties"],
+        },
+        "required": ["case", *described.get("required", [])],
+        **{key: described[key] for key in ("allOf",) if key in described},
+        "additionalProperties": False,
         "$defs": definitions,
     }
 
 
-def _tables_of(table: type[Table]) -> list[type[Table]]:
+def _tables_of(table: type[Record]) -> list[type[Record]]:
     """Return the tables inside a table, inner ones first, and itself."""
-    inner = [table_in(field.annotation) for field in table.model_fields.values()]
-    return [*(nested for kind in inner if kind is not None for nested in _tables_of(kind)), table]
+    inner = [kind for field in table.model_fields.values() for kind in records_in(field.annotation)]
+    return [*(nested for kind in inner for nested in _tables_of(kind)), table]
 
 
 _BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
 
 
-def _add_us_keys(table: dict[str, Any]) -> None:
-    """Add the keys with US units to the description of a table, of which each or the metric one is needed."""
+def _accept_all_spellings(table: dict[str, Any], record: type[Record] | None) -> None:
+    """Add to the description of a table what its reader accepts besides: US keys, kinds as texts, and what it excludes.
+
+    Of a needed input the metric key or the one with a US unit is needed.
+    """
+    for described in table.get("properties", {}).values():
+        _accept_kinds(described)
     units = {key: unit for key in table.get("properties", {}) if (unit := us_key(key))}
     for key, unit in units.items():
         table["properties"].setdefault(unit.name, _in_us(table["properties"][key], unit))
     needed = [key for key in table.get("required", []) if key in units]
+    conditions: list[dict[str, Any]] = [
+        {"anyOf": [{"required": [name]} for name in (key, units[key].name)]} for key in needed
+    ]
+    conditions += [{"not": {"required": [key, unit.name]}} for key, unit in units.items()]
+    for pair in record.exclusive if record is not None else ():
+        spellings = [[key, *([units[key].name] if key in units else [])] for key in pair]
+        conditions += [{"not": {"required": [*both]}} for both in itertools.product(*spellings)]
     if needed:
         table["required"] = [key for key in table["required"] if key not in units]
-        table["allOf"] = [{"anyOf": [{"required": [name]} for name in (key, units[key].name)]} for key in needed]
+    if conditions:
+        table["allOf"] = conditions
+
+
+def _accept_kinds(described: dict[str, Any]) -> None:
+    """Let a table of one of several kinds leave out its kind, or be the name of it alone."""
+    kinds = described.pop("discriminator", {}).get("mapping", {})
+    if kinds:
+        described["anyOf"] = [*described.pop("oneOf"), {"enum": [*kinds]}]
+    for inner in (*described.get("anyOf", ()), described.get("items", {})):
+        if inner:
+            _accept_kinds(inner)
 
 
 def _in_us(described: Any, unit: UsUnit) -> Any:

@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field, create_model
 
-from flangeway.cases.case import Table, merged, require_known
 from flangeway.cases.case_file import resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError, located
@@ -16,6 +15,7 @@ from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.damage.worn_surface import LIMITS
 from flangeway.railway.track.wheelset_problem import Role
+from flangeway.records import Record, merged, require_known
 from flangeway.system.file_content import TomlFile, TomlKind
 from flangeway.types import Key
 from flangeway.units import metric_key
@@ -27,7 +27,7 @@ STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
 """Names of strategies are those of folders as well."""
 
 
-class StateTable(Table):
+class StateTable(Record):
     """A state of the collective; all other keys are inputs of the case ``wheelset`` that it has beside those of all.
 
     An input ``[first, last]`` runs over this range, see `flangeway.railway.damage.collective.parts_of`.
@@ -43,7 +43,7 @@ class StateTable(Table):
     """equal parts of its ranges, each computed in its middle"""
 
 
-class WearTables(Table):
+class WearTables(Record):
     """Tables of the wear laws, with their constants."""
 
     wheel: dict[str, Any] | None = None
@@ -52,7 +52,7 @@ class WearTables(Table):
     """wear law of the rails; without it they keep their profile"""
 
 
-class DamageTables(Table):
+class DamageTables(Record):
     """Tables of the file."""
 
     collective: str | None = None
@@ -73,14 +73,14 @@ class DamageTables(Table):
     """what other strategies change, by their names: tables and keys of this file"""
 
 
-def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Table]:
+def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Record]:
     """Return the table whose keys are the fields of a record, without some of them, and more: type and default."""
     entries = more | {
         field.name: (field.type, ... if field.default is MISSING else field.default)
         for field in fields(kind)
         if field.name not in without
     }
-    table: type[Table] = create_model(kind.__name__, __base__=Table, **entries)
+    table: type[Record] = create_model(kind.__name__, __base__=Record, **entries)
     return table
 
 
@@ -208,7 +208,7 @@ class DamageFile(TomlFile):
             law: WearLaw = LAWS[str(name)](**constants)
         return PerPatch(law) if per_patch else law
 
-    def _values(self, key: Key, given: Mapping[str, Any], table: type[Table]) -> dict[str, Any]:
+    def _values(self, key: Key, given: Mapping[str, Any], table: type[Record]) -> dict[str, Any]:
         """Checked entries of a table of the file."""
         return table.from_values(given, lambda inner: self.place((*key, *inner))).model_dump(exclude_unset=True)
 

@@ -11,7 +11,7 @@ import annotated_types as at
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Case, Fraction, NotNegative, Positive
+from flangeway.cases.case import Case
 from flangeway.contact.patch.patch_contact import ContactEllipse
 from flangeway.contact.rolling.fast_theories import TITLES, WITH_TRACTIONS, SimplifiedRolling, Theory
 from flangeway.contact.rolling.friction import Friction, Heat, Heating, SlopeReduction
@@ -19,6 +19,7 @@ from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepag
 from flangeway.errors import InputError
 from flangeway.exact import PointContact
 from flangeway.quantities import Quantity
+from flangeway.records import Fraction, NotNegative, Positive
 from flangeway.types import Floats
 
 # --- Inputs of friction that a rolling patch and a wheelset share: how it falls, what it warms, and surface layers.

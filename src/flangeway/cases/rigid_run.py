@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import Case, LengthUnit, closest, merged
+from flangeway.cases.case import Case
 from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
@@ -39,6 +39,7 @@ from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, Ri
 from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
 from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
 from flangeway.railway.wheelset.spatial_result import BESIDE_MM
+from flangeway.records import LengthUnit, closest, merged
 from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import NotNegative, Positive, RunnableCase
+from flangeway.cases.case import RunnableCase
 from flangeway.cases.patch_quantities import (
     BY_THEORY,
     CREEPAGES,
@@ -41,6 +41,7 @@ from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.records import NotNegative, Positive
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints, Progress

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from pydantic import Field
 
-from flangeway.cases.case import LengthUnit, RunnableCase
+from flangeway.cases.case import RunnableCase
 from flangeway.cases.summary import RunResult
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError, located
@@ -24,6 +24,7 @@ from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_secti
 from flangeway.mesh.gmsh_mesher import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
+from flangeway.records import LengthUnit
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from flangeway.cases.bodies.bodies_model import elements_of
 from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic, listed
-from flangeway.cases.case import Case, ElementOrder, Pair, PoissonRatio, Positive, PresetCase, RunnableCase, example_of
+from flangeway.cases.case import Case, PresetCase, RunnableCase, example_of
 from flangeway.cases.patch_quantities import (
     ANGLE,
     AREA,
@@ -33,6 +33,7 @@ from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
 from flangeway.quantities import Quantities, Quantity, values
+from flangeway.records import ElementOrder, Pair, PoissonRatio, Positive
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache

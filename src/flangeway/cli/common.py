@@ -22,7 +22,7 @@ from flangeway.system.workbook import spreadsheet_library
 
 if TYPE_CHECKING:
     from flangeway.cases.case import Case
-    from flangeway.report.page.record import Record
+    from flangeway.report.page.record import Report
     from flangeway.units import Units as UnitSystem
 
 STARTED_S = time.perf_counter()
@@ -161,7 +161,7 @@ Workers = Annotated[
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
     """Return the values of ``--set``, by key."""
-    from flangeway.cases.case import GivenText  # noqa: PLC0415
+    from flangeway.records import GivenText  # noqa: PLC0415
 
     given: dict[str, Any] = {}
     for setting in settings or []:
@@ -255,7 +255,7 @@ class Show:
                 yield progress
 
     def record(
-        self, record: "Record", folder: Path, others: Callable[[], Sequence[Path]] = tuple, *, last: bool = True
+        self, record: "Report", folder: Path, others: Callable[[], Sequence[Path]] = tuple, *, last: bool = True
     ) -> bool:
         """Print the numbers, which do not wait for the pictures, write all files, and print where the report is.
 

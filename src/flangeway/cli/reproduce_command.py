@@ -57,7 +57,7 @@ def reproduce(
     show: Show,
 ) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
-    from flangeway.cases.case import closest  # noqa: PLC0415
+    from flangeway.records import closest  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     try:

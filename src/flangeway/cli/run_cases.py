@@ -250,19 +250,24 @@ def check(
 
 @app.command()
 def schema(
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="Name of a case.", autocompletion=completion(case_names)),
+    ] = "wheelset",
     to: Annotated[
         Path | None,
         typer.Option("--to", metavar="FILE", help="Write it to this file.", parser=path_given),
     ] = None,
 ) -> None:
-    """Print the JSON Schema of case files, with which editors complete keys and mark mistakes."""
+    """Print the JSON Schema of the files of a case, with which editors complete keys and mark mistakes."""
     with errors_as_exit_status():
         import json  # noqa: PLC0415
 
+        from flangeway.cases.case_file import find_case  # noqa: PLC0415
         from flangeway.cases.case_file import schema as case_schema  # noqa: PLC0415
         from flangeway.system.output_folder import write_text  # noqa: PLC0415
 
-        text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
+        text = json.dumps(case_schema(find_case(name)), indent=2, ensure_ascii=False) + "\n"
         if to is None:
             typer.echo(text, nl=False)
             return
@@ -272,8 +277,8 @@ def schema(
 
 def _case(name: str, settings: list[str] | None, **options: str | None) -> "RunnableCase":
     """Return the case with the options that are given, by key, checked as far as possible before computing."""
-    from flangeway.cases.case import GivenText  # noqa: PLC0415
     from flangeway.cases.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
+    from flangeway.records import GivenText  # noqa: PLC0415
 
     given: dict[str, Any] = {key: GivenText(value) for key, value in options.items() if value is not None}
     given |= settings_of(settings, f"`flangeway cases{'' if is_case_file(name) else f' {name}'}` lists the keys")

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from flangeway.cases.case import GivenText, grouped
+from flangeway.cases.case import grouped
 from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_content, hash_of, write_case_file
 from flangeway.cases.rigid_run import GeometryCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
@@ -28,6 +28,7 @@ from flangeway.railway.profiles.profile_file import READABLE, read_profile
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.records import GivenText
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import command_line, report_page

@@ -41,7 +41,7 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.figures.plots import DrawnBody, pressure_curves, stress_panels
 from flangeway.report.page.html_page import run_record
-from flangeway.report.page.record import Picture, Record, SummaryTable, fact, rows_of, table_across, table_of
+from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across, table_of
 from flangeway.report.scenes import BodySteps, bodies_fields, bodies_scene, body_steps
 from flangeway.space import Space
 from flangeway.system.output_folder import Writer
@@ -116,7 +116,7 @@ AXES = {
 ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 
-def bodies_record(run: BodiesRun) -> Record:
+def bodies_record(run: BodiesRun) -> Report:
     """Return what a run of a case of bodies found, its most informative picture first."""
     axes = AXES if run.contact is not None else {name: AXES[name] for name in ("x, y", "stresses")}
     steps = cache(lambda: body_steps(run, list(bodies_fields(run))))

@@ -15,7 +15,7 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.html_page import input_rows
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable
 from flangeway.system.output_folder import versions, write_together
 from flangeway.units import Units
 
@@ -50,7 +50,7 @@ def campaign_record(
     command: str,
     seconds: float,
     units: Units = "metric",
-) -> Record:
+) -> Report:
     """Return what a finished campaign found; its tables are written as CSV and as `kind`.
 
     - `command`: runs it again.
@@ -65,7 +65,7 @@ def campaign_record(
     files = "every row is in `results.csv`, every contact in `patches.csv`, all of it in `campaign.sqlite`"
     ranges = _ranges(table)
     shown = tuple(_shown_range(name, values, units) for name, values in ranges)
-    return Record(
+    return Report(
         name=table.name,
         title=f"{table.name}: a campaign of {table.case}",
         subtitle=f"{end.n_rows} runs of case {table.case!r}; varied: {', '.join(table.keys) or 'nothing'}",

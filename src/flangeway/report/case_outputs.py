@@ -1,4 +1,4 @@
-"""Record and files of the run of any case: one table says what makes the record for each kind of case."""
+"""Report and files of the run of any case: one table says what makes the record for each kind of case."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +24,7 @@ from flangeway.report.bodies_page import stress_figure
 from flangeway.report.campaign_figures import campaign_figures
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.html_page import command_line, record_html, write_record
-from flangeway.report.page.record import SUMMARY, Record
+from flangeway.report.page.record import SUMMARY, Report
 from flangeway.report.profile_outputs import shape_figure
 from flangeway.report.rigid_outputs import conicity_figure, locus_figure
 from flangeway.report.section_figures import warping_figure
@@ -33,7 +33,7 @@ from flangeway.report.wheelset.wheelset_patches import section_figure
 from flangeway.results import Result
 from flangeway.types import Progress
 
-RECORDS: dict[type[Case], Callable[[Any], Record]] = {
+RECORDS: dict[type[Case], Callable[[Any], Report]] = {
     WheelsetCase: wheelset_page.wheelset_record,
     SpatialWheelsetCase: wheelset_page.wheelset_record,
     BodiesCase: bodies_page.bodies_record,
@@ -68,7 +68,7 @@ for _kind, _draw in PLOTS.items():
     plot_result.register(_kind, _draw)
 
 
-def case_record(run: RunResult) -> Record:
+def case_record(run: RunResult) -> Report:
     """Return what a run found, for the terminal, the report and programs."""
     return next(RECORDS[kind] for kind in type(run.case).__mro__ if kind in RECORDS)(run)
 

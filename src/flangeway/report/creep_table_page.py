@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from flangeway.quantities import Quantities, Quantity, measured
 from flangeway.report.figures.drawing import name_axes, panels, sequence_colours
 from flangeway.report.page.html_page import inputs_tables
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_of
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, table_of
 from flangeway.system.output_folder import Writer
 from flangeway.tables import CreepTable, TableRequest
 from flangeway.tables.creep_table import AXES, SATURATED, within_cone
@@ -33,7 +33,7 @@ JUMP: Quantities[Mapping[str, Any]] = (
 """Numbers of an interval in which patches jump."""
 
 
-def creep_table_record(table: CreepTable, request: TableRequest, command: str, files: Mapping[str, Writer]) -> Record:
+def creep_table_record(table: CreepTable, request: TableRequest, command: str, files: Mapping[str, Writer]) -> Report:
     """Return what a finished table has.
 
     - `command`: makes it again.
@@ -49,7 +49,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
     axes = [
         (name, str(len(axis)), f"{axis[0]:g}", f"{axis[-1]:g}") for name, axis in zip(AXES, table.axes, strict=True)
     ]
-    return Record(
+    return Report(
         name="creep-table",
         title="Creep forces of a wheelset",
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; exact theory, for "

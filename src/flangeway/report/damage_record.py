@@ -14,7 +14,7 @@ from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDa
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, named, new_figure
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
 from flangeway.units import Units
@@ -42,7 +42,7 @@ OVER_DISTANCE = {
 
 def damage_record(
     inputs: DamageInputs, steps: Sequence[EvolutionStep], command: str, seconds: float, units: Units = "metric"
-) -> Record:
+) -> Report:
     """Return what was found.
 
     - `command`: runs it again.
@@ -64,7 +64,7 @@ def damage_record(
                 f"deepest wear of the {_whose(evolution, role, side)}",
             )
         )
-    return Record(
+    return Report(
         name=inputs.name,
         title=f"{inputs.name}: profiles over {unit}",
         subtitle=f"{len(evolution.collective.states)} states, {len(steps) - 1} steps",
@@ -234,10 +234,10 @@ CAPTION = "Depth of wear at the end of each strategy, and worn area against the 
 
 def strategies_record(
     strategies: Mapping[str, DamageInputs],
-    runs: Mapping[str, tuple[Sequence[EvolutionStep], Record]],
+    runs: Mapping[str, tuple[Sequence[EvolutionStep], Report]],
     command: str,
     units: Units,
-) -> Record:
+) -> Report:
     """Return the comparison of strategies.
 
     - `strategies`: inputs of each by its name, the first those of the file as it is.
@@ -250,7 +250,7 @@ def strategies_record(
     rows = [record.summary["steps"][-1] for record in records.values()]
     steps = [{"strategy": strategy} | row for strategy, record in records.items() for row in record.summary["steps"]]
     keys = dict.fromkeys(key for row in rows for key in row)
-    return Record(
+    return Report(
         name=name,
         title=f"{name}: strategies side by side",
         subtitle=f"{len(runs)} strategies",
@@ -284,7 +284,7 @@ def strategies_record(
     )
 
 
-def _all_assumptions(records: Mapping[str, Record]) -> list[str]:
+def _all_assumptions(records: Mapping[str, Report]) -> list[str]:
     """Assumptions of all strategies once, then those of single ones."""
     first, *others = records.values()
     common = [text for text in first.assumptions if all(text in record.assumptions for record in others)]

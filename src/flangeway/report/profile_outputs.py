@@ -35,7 +35,7 @@ from flangeway.report.figures.drawing import (
     sequence_colours,
     units_of,
 )
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable, table_across, table_of
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, table_across, table_of
 from flangeway.system.output_folder import refuse_unwritable
 from flangeway.types import Floats
 from flangeway.units import Units
@@ -199,7 +199,7 @@ def _title(text: str) -> str:
     return textwrap.shorten(text, TITLE_LETTERS, placeholder=" ...")
 
 
-# --- Record and files of ``flangeway profile``.
+# --- Report and files of ``flangeway profile``.
 
 
 SUMMARY = "profile.json"
@@ -224,7 +224,7 @@ def checked_conversion(run: ProfileRun, to: Path | None) -> str:
     return text
 
 
-def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Record:
+def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Report:
     """Return what was read and measured of a profile; `command` reads it again."""
     summary, join = run.summary, run.join
     pictures = [
@@ -239,7 +239,7 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
             ),
         )
     there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
-    return Record(
+    return Report(
         name=run.profile.title,
         title=run.profile.title,
         subtitle=f"{run.profile.kind}, {run.profile.format}; {run.frame}",
@@ -260,13 +260,13 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
     )
 
 
-def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "metric") -> Record:
+def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "metric") -> Report:
     """Return the measures of several profiles side by side; `command` reads them again."""
     title: Quantity[ProfileRun] = Quantity("title", "profile", lambda run: run.profile.title)
     kind: Quantity[ProfileRun] = Quantity("kind", "kind", lambda run: run.profile.kind)
     chosen = [quantity for quantity in QUANTITIES if quantity.key in BATCH]
     shown = [quantity for quantity in MEASURES[:4] if any(quantity.value(run) is not None for run in runs)]
-    return Record(
+    return Report(
         name=f"{len(runs)} profiles",
         title=f"{len(runs)} profiles",
         subtitle="measures of each profile alone",
@@ -296,7 +296,7 @@ def _notes(runs: Sequence[ProfileRun]) -> list[str]:
     ]
 
 
-def folder_record(folder: ProfileFolder, name: str, command: str, units: Units = "metric") -> Record:
+def folder_record(folder: ProfileFolder, name: str, command: str, units: Units = "metric") -> Report:
     """Return wear, measures and conicity of the profiles of a folder, the most worn first, and notices on its files."""
     rows = folder.profiles
     runs = [replace(row.run, profile=replace(row.run.profile, title=row.file)) for row in rows]
@@ -319,7 +319,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
     notices = [("\n".join(names), " ".join(of_files)) for of_files, names in files.items() if of_files]
     n_noticed = sum(bool(row.notices) for row in rows)
     compared = f"{folder.nominal} or the nearest" if folder.nominal else "the nearest"
-    return Record(
+    return Report(
         name=name,
         title=f"{len(rows)} profiles of {name}",
         subtitle=f"wear against {compared} bundled profile, measures, and conicity in standard gauge with a partner",

@@ -32,7 +32,7 @@ from flangeway.report.page.html_page import input_rows
 from flangeway.report.page.record import (
     Again,
     Picture,
-    Record,
+    Report,
     SummaryTable,
     rows_of,
     table_across,
@@ -147,7 +147,7 @@ def pairs_figure(runs: Sequence[GeometryRun]) -> Figure:
     return figure
 
 
-# --- Record and files of ``flangeway geometry``.
+# --- Report and files of ``flangeway geometry``.
 
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
@@ -190,13 +190,13 @@ JUMP: Quantities[ContactJump] = (
 """Numbers of a jump of the point of contact."""
 
 
-def geometry_record(run: GeometryRun, command: str) -> Record:
+def geometry_record(run: GeometryRun, command: str) -> Report:
     """Return what was found of the contact geometry; `command` computes it again."""
     summary, position, units = run.summary, run.equilibrium.position, run.case.units
     facts = [quantity.fact(position, units) for quantity in POSITION_QUANTITIES[::3]] if position else []
     jumps = table_of("Jumps of the point of contact", run.jumps, JUMP, units=units)
     inputs = tuple(input_rows(summary["inputs"], units))
-    return Record(
+    return Report(
         **_common(summary, command, units, (SUMMARY, TABLE, CONICITY)),
         subtitle=f"Rigid wheels {run.case.wheel} on rigid rails {run.case.rail}",
         converged=run.equilibrium.status.converged,
@@ -215,10 +215,10 @@ def geometry_record(run: GeometryRun, command: str) -> Record:
     )
 
 
-def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
+def geometries_record(runs: Sequence[GeometryRun], command: str) -> Report:
     """Return conicity and equilibrium of several pairs of profiles side by side; `command` computes them again."""
     units = runs[0].case.units
-    return Record(
+    return Report(
         **_common(runs[0].summary, command, units, (BATCH_SUMMARY, BATCH_TABLE))
         | {
             "summary": {"pairs": [run.summary for run in runs]},
@@ -244,7 +244,7 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
     )
 
 
-def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> Record:
+def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> Report:
     """Return what was found of a rolling radius difference from a file; `command` computes it again."""
     summary = run.summary
     middle: Quantity[ConicityRun] = Quantity(
@@ -254,7 +254,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         "mm",
         "z.3f",
     )
-    return Record(
+    return Report(
         **_common(summary, command, units, (SUMMARY, CONICITY)),
         subtitle=summary["inputs"]["file"],
         converged=True,

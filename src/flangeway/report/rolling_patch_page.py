@@ -32,7 +32,7 @@ from flangeway.formats import write_vtu
 from flangeway.quantities import columns, numbers, present
 from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.html_page import run_record
-from flangeway.report.page.record import Figures, Picture, Record, SummaryTable, fact, rows_of, table_across
+from flangeway.report.page.record import Figures, Picture, Report, SummaryTable, fact, rows_of, table_across
 from flangeway.report.patch_maps import ShownRolling, at_corners, cell_fields, rolling_figure, shown_fields, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
@@ -72,7 +72,7 @@ drawn."""
 DIGITS = 6
 
 
-def rolling_patch_record(run: RollingPatchRun) -> Record:
+def rolling_patch_record(run: RollingPatchRun) -> Report:
     """Return what a run of one patch found."""
     case, state, units = run.case, run.state, run.case.units
     moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"

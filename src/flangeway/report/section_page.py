@@ -15,7 +15,7 @@ from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
 from flangeway.report.page.html_page import inputs_tables
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable, fact, rows_of
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, fact, rows_of
 from flangeway.report.scenes import section_arrays, section_scene
 from flangeway.report.section_figures import (
     mesh_figure,
@@ -40,7 +40,7 @@ AXES = {
 }
 
 
-def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -> Record:
+def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -> Report:
     """Return what was found of a section; its first page is one to pass on.
 
     - `command`: computes it again.
@@ -49,7 +49,7 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
     numbers, case, units, unit = run.summary, run.case, run.case.units, run.drawn.unit
     kind = "triangles" if case.method == "fem" else "polygons, virtual elements"
     quantities = section_quantities(run, units)
-    return Record(
+    return Report(
         name=run.drawn.title,
         title=run.drawn.title,
         subtitle=f"Constants of a section; {run.space.mesh.n_cells:,} {kind} of order {case.order}, size "

@@ -17,7 +17,7 @@ from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.report.figures.display import collection
 from flangeway.report.figures.drawing import named, panels
 from flangeway.report.page.html_page import run_record
-from flangeway.report.page.record import Picture, Record, SummaryTable, fact, rows_of, table_across, with_whole
+from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across, with_whole
 from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, station_of, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
@@ -87,7 +87,7 @@ def _mesh(section: SectionStresses) -> PolyMesh:
     return section.body.problem.elasticity.space.mesh.placed(section.body.placement)
 
 
-def spatial_record(run: SpatialRun) -> Record:
+def spatial_record(run: SpatialRun) -> Report:
     """Return what a run of two bodies in contact in three dimensions found."""
     corners = cache(lambda: [section.corners() for section in run.sections])
     units, (patch, *_), n = run.case.units, run.patches, len(run.patches)

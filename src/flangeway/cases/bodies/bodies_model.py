@@ -24,7 +24,6 @@ from flangeway.cases.bodies.bodies_shape import (
     keys_of_place,
     point_at,
 )
-from flangeway.cases.case import require_known
 from flangeway.contact import (
     AugmentedLagrange,
     Barrier,
@@ -59,6 +58,7 @@ from flangeway.problems import (
 )
 from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
+from flangeway.records import require_known
 from flangeway.solve import Handle
 from flangeway.solve.body_response import BodyLoad
 from flangeway.solve.constraints import refuse_floating

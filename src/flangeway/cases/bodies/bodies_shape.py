@@ -11,19 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from flangeway.cases.case import (
-    Box,
-    Case,
-    ElementOrder,
-    ElementSize,
-    Fraction,
-    LengthUnit,
-    NotNegative,
-    Pair,
-    Positive,
-    Table,
-    require_known,
-)
+from flangeway.cases.case import Case
 from flangeway.contact import NodeToSegment
 from flangeway.contact.node_to_segment import OPEN_SLACK
 from flangeway.errors import InputError
@@ -37,6 +25,18 @@ from flangeway.geometry.region import Region
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 from flangeway.problems import LinearBody
+from flangeway.records import (
+    Box,
+    ElementOrder,
+    ElementSize,
+    Fraction,
+    LengthUnit,
+    NotNegative,
+    Pair,
+    Positive,
+    Record,
+    require_known,
+)
 from flangeway.types import Bools
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
@@ -85,7 +85,7 @@ Slack = Annotated[
 ]
 
 
-class RectangleTable(Table):
+class RectangleTable(Record):
     """A rectangle with the sides ``bottom``, ``right``, ``top``, ``left``."""
 
     width_mm: Positive
@@ -96,7 +96,7 @@ class RectangleTable(Table):
     """its middle"""
 
 
-class DiscTable(Table):
+class DiscTable(Record):
     """A disc with the edge set ``rim``; a half disc has its straight side as ``cut``, and an ``arc`` about its apex."""
 
     radius_mm: Positive
@@ -109,7 +109,7 @@ class DiscTable(Table):
     """angle of the side arc about the apex of a half (default: none, all is rim)"""
 
 
-class FineTable(Table):
+class FineTable(Record):
     """Where a mesh is finer."""
 
     size_mm: ElementSize
@@ -122,7 +122,7 @@ class FineTable(Table):
     """growth of the edge length per distance"""
 
 
-class MaterialTable(Table):
+class MaterialTable(Record):
     """Isotropic linear elastic material."""
 
     young_MPa: Positive = 210e3
@@ -143,7 +143,7 @@ def elastic(table: MaterialTable, hypothesis: HypothesisName) -> Elastic:
     )
 
 
-class ShapeTable(Table):
+class ShapeTable(Record):
     """A body's shape, mesh and elements."""
 
     name: str = Field(min_length=1, max_length=60)
@@ -187,7 +187,7 @@ class BodyTable(MaterialTable, ShapeTable):
     """materials by the names of cell sets of the mesh"""
 
 
-class PlaceTable(Table):
+class PlaceTable(Record):
     """A part of a body's boundary: the edges that all the given keys allow, or a point."""
 
     body: str
@@ -247,7 +247,7 @@ class LoadTable(PlaceTable):
     """rise of the temperature"""
 
 
-class MotionTable(Table):
+class MotionTable(Record):
     """Rigid motion of all supports of a body, or a force on them."""
 
     body: str
@@ -264,7 +264,7 @@ class MotionTable(Table):
     """force on the supports: they move along it until the contact carries it"""
 
 
-class ContactTable(Table):
+class ContactTable(Record):
     """A pair of surfaces that may touch; the secondary surface is better the finer one."""
 
     secondary: str
@@ -302,7 +302,7 @@ class ContactTable(Table):
     slack: Slack = NodeToSegment.slack
 
 
-class StepsTable(Table):
+class StepsTable(Record):
     """How loads and motions are applied."""
 
     number: int | None = Field(None, ge=1, le=1000)

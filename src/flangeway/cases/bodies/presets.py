@@ -30,7 +30,7 @@ from flangeway.cases.bodies.bodies_shape import (
     Stabilisation,
     Weighting,
 )
-from flangeway.cases.case import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive, PresetCase
+from flangeway.cases.case import PresetCase
 from flangeway.contact import NodeToSegment
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
@@ -42,6 +42,7 @@ from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_g
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.quantities import Quantities, Quantity, of_part
+from flangeway.records import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats, Progress

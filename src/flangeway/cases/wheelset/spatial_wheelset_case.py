@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, NotNegative, Positive, RunnableCase
+from flangeway.cases.case import RunnableCase
 from flangeway.cases.patch_quantities import MAX_FRICTION, FrictionCoefficient, FrictionInputs
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import ROLLING_KEYS, WheelsetInputs, profile_notes
@@ -33,6 +33,7 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_posit
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import RailSupport
 from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc
+from flangeway.records import ElementOrder, NotNegative, Positive
 from flangeway.system.disk_cache import Cache
 from flangeway.system.file_content import number_table
 from flangeway.types import Progress

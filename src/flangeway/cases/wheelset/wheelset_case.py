@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import ElementOrder, Fraction, PoissonRatio, Positive, RunnableCase, SolidModulus
+from flangeway.cases.case import RunnableCase
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
 from flangeway.cases.wheelset.wheelset_quantities import (
@@ -47,6 +47,7 @@ from flangeway.railway.track.wheelset_problem import (
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheelset_model import build_model
+from flangeway.records import ElementOrder, Fraction, PoissonRatio, Positive, SolidModulus
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Progress

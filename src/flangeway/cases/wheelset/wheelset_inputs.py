@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Case, LengthUnit, NotNegative, PoissonRatio, Positive, SolidModulus
+from flangeway.cases.case import Case
 from flangeway.cases.patch_quantities import FRICTION_KEYS
 from flangeway.cases.wheelset.wheelset_quantities import MOTION, PLANE_PATCH_ROW, PLANE_ROW, WheelResult, row_columns
 from flangeway.errors import InputError
@@ -50,6 +50,7 @@ from flangeway.railway.track.wheelset_problem import (
     curve_force_N,
     superelevation_angle,
 )
+from flangeway.records import LengthUnit, NotNegative, PoissonRatio, Positive, SolidModulus
 from flangeway.system.file_content import is_file
 from flangeway.units import Units
 

@@ -17,13 +17,14 @@ from jinja2 import Template
 from markupsafe import Markup, escape
 
 from flangeway.cases import Convergence
-from flangeway.cases.case import OF_REPORT, Case, RunnableCase, table_in
+from flangeway.cases.case import OF_REPORT, Case, RunnableCase
 from flangeway.cases.case_file import toml_value, write_case_file
 from flangeway.cases.summary import RunResult, summary_text
 from flangeway.checks import is_number
 from flangeway.quantities import measured
+from flangeway.records import records_in
 from flangeway.report.figures.drawing import png
-from flangeway.report.page.record import REPORT, Again, Picture, Record, SummaryTable, timings_table
+from flangeway.report.page.record import REPORT, Again, Picture, Report, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
@@ -38,8 +39,8 @@ from flangeway.units import Units, unit_in, us_key
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
-def run_record(run: RunResult, about_files: str, first: Sequence[str] = (), **own: Any) -> Record:
-    """Return the record of a run: what every run has, and its own, see `Record`.
+def run_record(run: RunResult, about_files: str, first: Sequence[str] = (), **own: Any) -> Report:
+    """Return the record of a run: what every run has, and its own, see `Report`.
 
     - `about_files`: for `Again`.
     - `first`: inputs that the first page has in any case, before the essential ones and those that are not defaults.
@@ -65,7 +66,7 @@ def run_record(run: RunResult, about_files: str, first: Sequence[str] = (), **ow
     fields = shared | own
     if case.report_title:
         fields |= {"title": case.report_title, "subtitle": f"{fields['title']}. " + fields["subtitle"]}
-    return Record(**fields)
+    return Report(**fields)
 
 
 def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
@@ -73,7 +74,7 @@ def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
     fields, given = type(case).described_fields(), {}
     changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
     for key in dict.fromkeys([*first, *changed]):
-        if key in OF_REPORT or table_in(fields[key].annotation) is not None:
+        if key in OF_REPORT or records_in(fields[key].annotation):
             continue
         meaning = re.split(r"[;,(:]", fields[key].description or key)[0].strip()
         given[meaning] = _in_words(getattr(case, key), unit_in(key), case.units)
@@ -92,7 +93,7 @@ def _in_words(value: object, unit: str, units: Units) -> str:
 def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
     fields = type(case).described_fields()
-    plain = {key: value for key, value in case.model_dump().items() if table_in(fields[key].annotation) is None}
+    plain = {key: value for key, value in case.model_dump().items() if not records_in(fields[key].annotation)}
     meanings = [fields[key].description or "" for key in plain]
     rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
     tables = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
@@ -111,7 +112,7 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
 
 def has_tables(case: Case) -> bool:
     """Whether a case has inputs inside of tables, which a command cannot give."""
-    return any(table_in(field.annotation) is not None for field in type(case).model_fields.values())
+    return any(records_in(field.annotation) for field in type(case).model_fields.values())
 
 
 def input_rows(item: Mapping[str, Any], units: Units, path: str = "") -> Iterator[tuple[str, str]]:
@@ -169,7 +170,7 @@ NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
 
-def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float] | None = None) -> str:
+def report_page(record: Report, drawn: Drawn = (), timings_s: Mapping[str, float] | None = None) -> str:
     """Return the page: numbers that matter and the first picture, results, fields, pictures, and all the rest.
 
     - `drawn`: pictures with the contents of their files.
@@ -217,7 +218,7 @@ def _widths(table: SummaryTable) -> list[int]:
     ]
 
 
-def record_html(record: Record) -> str:
+def record_html(record: Report) -> str:
     """Return what the terminal shows of a record, as HTML for a notebook."""
 
     def line(cells: Sequence[str], tag: str) -> str:
@@ -231,7 +232,7 @@ def record_html(record: Record) -> str:
 
 
 def write_record(
-    record: Record,
+    record: Report,
     folder: Path,
     progress: Progress = lambda _: None,
     *,
@@ -302,13 +303,13 @@ def _shown_width(content: bytes) -> int:
 SUMMARY = "converge.json"
 
 
-def convergence_record(name: str, convergence: Convergence, command: str) -> Record:
+def convergence_record(name: str, convergence: Convergence, command: str) -> Report:
     """Return how much each number of a case changes when its sizes are halved."""
     case, runs = convergence.case, convergence.runs
     stopped = [run.status.message for run in runs if not run.status.converged]
     sizes = ", ".join((f"{key} {coarse:g} and {fine:g}" for key, (coarse, fine) in convergence.sizes.items()))
     parts = ("given sizes", "half of the sizes")
-    return Record(
+    return Report(
         name=name,
         title=f"{case.report_title or case.name}: the sizes halved",
         subtitle="Two runs: " + sizes,

@@ -192,7 +192,7 @@ class Again:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Record:
+class Report:
     """What a command found; what is left out or empty has no place in the report."""
 
     name: str
@@ -236,7 +236,7 @@ class Record:
         return f"{word} with {n} warning{'s' * (n > 1)}" if n else word
 
 
-def print_record(console: Console, record: Record, *, quiet: bool = False) -> None:
+def print_record(console: Console, record: Report, *, quiet: bool = False) -> None:
     """Print how it ended, the warnings, the table of results, and notes; if it is quiet, the first two only."""
     style = "bold red" if not record.converged else "bold yellow" if record.warnings else "bold green"
     console.print(f"{record.name}: ", end="", markup=False)

@@ -52,7 +52,7 @@ from flangeway.report.figures.plots import part_fields, write_part
 from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import (
     Picture,
-    Record,
+    Report,
     SummaryTable,
     fact,
     rows_of,
@@ -396,7 +396,7 @@ AXES = TRACK_AXES | {
 }
 
 
-def wheelset_record(run: WheelsetRun) -> Record:
+def wheelset_record(run: WheelsetRun) -> Report:
     """Return what a run of a wheelset found."""
     shared = {
         "facts": wheelset_facts(run),

@@ -1,0 +1,659 @@
+"""Records: frozen inputs with units, ranges and meanings at their fields, as trees that are TOML, Python and JSON.
+
+A record is a class below `Record` with a field for each input and a sentence on it below the field:
+
+    class Curve(Record):
+        radius_m: float
+        '''radius of the curve, positive to the left'''
+
+The same class checks the tables of case files, the arguments of scripts and the values of the command line, and makes
+reference pages, files to begin with and the JSON schema. Kinds of one thing are classes with a field ``kind``, a
+`typing.Literal`; the field that takes them has their union as its type. A kind is also named by its text alone:
+``support = "fixed"`` means ``support = { kind = "fixed" }``.
+"""
+
+import ast
+import difflib
+import inspect
+import math
+import sys
+from collections import ChainMap
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
+from functools import cache
+from itertools import pairwise
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias, Union, get_args, get_origin
+
+import annotated_types as at
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
+from pydantic.fields import FieldInfo
+from pydantic_core import core_schema
+
+from flangeway.checks import is_number
+from flangeway.errors import InputError, short
+from flangeway.system.file_content import toml_data
+from flangeway.types import Key
+from flangeway.units import Units, UsUnit, metric_key, same_quantity, us_key
+
+# --- Types of inputs.
+
+
+PLAIN_TYPES = {float: "a number {}", int: "a whole number {}", bool: "true or false", str: "a name"}
+"""What inputs of one value are called, with their bounds."""
+_BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
+
+Pair = Annotated[tuple[float, float], Strict(False)]  # two numbers in a list, as files have them
+Box = Annotated[tuple[float, float, float, float], Strict(False)]
+
+Positive = Annotated[float, at.Gt(0.0)]
+NotNegative = Annotated[float, at.Ge(0.0)]
+Fraction = Annotated[float, at.Gt(0.0), at.Le(1.0)]
+SolidModulus = Annotated[float, at.Ge(1000.0)]  # of wheels and rails, MPa; plastics have 2000, steel 210 in GPa
+PoissonRatio = Annotated[float, at.Gt(-1.0), at.Lt(0.5)]
+ElementSize = Annotated[float, at.Ge(1e-6)]
+ElementOrder = Annotated[int, at.Ge(1), at.Le(2)]
+LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
+
+MAX_LISTED, MAX_SIMILAR = 20, 5  # inputs that a message lists; of more only the similar ones
+MIN_LETTERS_OF_PART = 3  # of a word that is looked for inside of others
+MAX_REPORTED = 5  # errors in one message; of the others only the number is given
+MAX_NUMBER = 1e30  # no length, force or modulus is larger in its unit
+TAG = "kind"
+"""Field that says which of several kinds a table is."""
+
+InputRow: TypeAlias = tuple[str, str, str, str]
+"""Key, default, what is allowed, and meaning of an input."""
+
+
+class GivenText(str):
+    """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
+
+
+# --- Records.
+
+
+@cache
+def _texts_below(module: str) -> dict[str, dict[str, str]]:
+    """Texts below the inputs of the classes of a module, by the classes' names; none where there is no source."""
+    try:
+        source = inspect.getsource(sys.modules[module])
+    except (OSError, TypeError):
+        return {}
+    texts: dict[str, dict[str, str]] = {}
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ClassDef):
+            texts[node.name] = {}
+            for line in pairwise(node.body):
+                match line:
+                    case ast.AnnAssign(target=ast.Name(key)), ast.Expr(ast.Constant(str(text))):
+                        texts[node.name][key] = " ".join(text.split())
+    return texts
+
+
+if TYPE_CHECKING:  # checkers see the arguments of the fields
+    _Base = BaseModel
+else:
+
+    class _Checked(type(BaseModel)):
+        """Type of records: what is wrong with the arguments of one is an `InputError`."""
+
+        def __call__(cls, **values: Any) -> Any:
+            return cls.from_values(values)
+
+    class _Base(BaseModel, metaclass=_Checked):
+        pass
+
+
+class Record(_Base):
+    """A group of inputs: a table of a case file. A number is a number, not a text nor a truth value.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown, a value is not allowed, or inputs exclude each other; the message says what is allowed.
+    """
+
+    model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    exclusive: ClassVar[tuple[tuple[str, str], ...]] = ()  # pairs of inputs of which one at most is written
+
+    @classmethod
+    def described_fields(cls) -> dict[str, FieldInfo]:
+        """Return the inputs with their descriptions, the texts below them in the source.
+
+        They are read when they are first shown: pydantic's ``use_attribute_docstrings`` takes longer for all cases than
+        a short run.
+        """
+        below = ChainMap(*(_texts_below(kind.__module__).get(kind.__name__, {}) for kind in cls.__mro__))
+        for key, field in cls.model_fields.items():
+            field.description = field.description or below.get(key)
+        return cls.model_fields
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
+        """Return the record with some inputs, the others by default.
+
+        Parameters
+        ----------
+        values
+            Inputs by key; text that may be a number is `GivenText`.
+        where
+            Text before the message about a key, such as its file and line.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown or a value is not allowed; the message says for each what is allowed.
+
+        """
+        for key, value in leaves(values):
+            if isinstance(value, int | float | GivenText) and _is_huge(value):
+                raise InputError(
+                    f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {MAX_NUMBER:g}", "correct it"
+                )
+        try:
+            return cls.model_validate(values)
+        except ValidationError as reason:
+            raise _input_error(cls, reason, values, where) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _typed(cls, values: Any) -> Any:
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
+        if not isinstance(values, Mapping):
+            return values
+        metric: dict[str, Any] = {}
+        for key, value in values.items():
+            name, unit = cls.input_named(key)
+            if name not in cls.model_fields or (unit and (name in values or name in metric)):  # unknown, or twice
+                metric[key] = value
+                continue
+            read = _typed(value, cls.model_fields[name])
+            metric[name] = unit.to_metric(read) if unit else read
+        for pair in cls.exclusive:
+            if all(metric.get(key) is not None for key in pair):
+                raise ValueError(f"{pair[0]} and {pair[1]}")
+        return metric
+
+    @property
+    def written(self) -> dict[str, Any]:
+        """Inputs that are not the defaults of their fields by omission, as they are."""
+        return {key: getattr(self, key) for key in type(self).model_fields if key in self.model_fields_set}
+
+    def replaced(self, **changes: Any) -> Self:
+        """Return it with some inputs changed; of a record inside, those that are not named stay.
+
+        A change is a value, or a mapping of changes of the record that is there.
+        """
+        inner = {
+            key: getattr(self, key).replaced(**value).written
+            for key, value in changes.items()
+            if isinstance(value, Mapping) and isinstance(getattr(self, key), Record)
+        }
+        return type(self).from_values({**self.written, **changes, **inner})
+
+    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
+        """Refuse inputs that another one leaves without effect, if they are not those by default.
+
+        - `within`: path of this table in the case, before the inputs' names.
+        """
+        for name in keys:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise InputError(
+                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    f"{name} with {key} = {wanted}",
+                    f"leave {name} out, or give {key} = {wanted}",
+                )
+
+    @classmethod
+    def called(cls) -> str:
+        """Return what messages call it."""
+        return "the table"
+
+    @classmethod
+    def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
+        """Name of the input that a key means, and the US unit that the key has; the key itself if there is none."""
+        return (key, None) if key in cls.model_fields else metric_key(key, cls.model_fields)
+
+    @classmethod
+    def tables_of_inputs(cls, units: Units = "metric", path: str = "") -> list[tuple[str, list[InputRow]]]:
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path.
+
+        - `path`: that of this table in the case, with a point at the end.
+        """
+        rows, inner = [], []
+        for key, field in cls.described_fields().items():
+            unit = us_key(key) if units == "us" else None
+            default = "needed" if field.is_required() else _default_text(field, unit)
+            kinds = records_in(field.annotation)
+            several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
+            for kind in kinds:
+                tag = kind_of(kind) if len(kinds) > 1 else None
+                inner += kind.tables_of_inputs(units, f"{path}{key}{several}.{f'{tag}: ' if tag else ''}")
+            if kinds and not field.is_required():
+                default = default if isinstance(default_of(field), str | float | int) else _default_of_table(field)
+            rows.append((unit.name if unit else key, default, allowed(field, unit), field.description or ""))
+        return [(path.rstrip("."), rows), *inner]
+
+
+def _default_of_table(field: FieldInfo) -> str:
+    default = default_of(field)
+    return (kind_of(type(default)) or "all by default") if isinstance(default, Record) else "none"
+
+
+class ByInstance:
+    """An object that records take as it is: scripts have it, files name it in another way."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, _source: Any, _handler: Any) -> core_schema.CoreSchema:
+        """Only an instance is accepted; written out, it is its text."""
+        return core_schema.is_instance_schema(cls, serialization=core_schema.to_string_ser_schema())
+
+
+# --- What fields accept: alternatives of their types, kinds of records, and both in words.
+
+
+def alternatives(annotation: Any) -> tuple[Any, ...]:
+    """Types of a union, or the one type that there is."""
+    if get_origin(annotation) is Annotated:
+        return alternatives(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(kind for member in get_args(annotation) for kind in alternatives(member))
+    return (annotation,)
+
+
+def records_in(annotation: Any) -> list[type[Record]]:
+    """Types of the tables of an input, alone, in a list or by name; empty for plain values."""
+    kinds = []
+    for kind in alternatives(annotation):
+        if isinstance(kind, type) and issubclass(kind, Record):
+            kinds.append(kind)
+        elif get_origin(kind) in (list, dict, tuple):
+            kinds += records_in(get_args(kind)[-1 if get_origin(kind) is dict else 0])
+    return kinds
+
+
+def are_tables(annotation: Any) -> bool:
+    """Whether an input is a table, or several: no plain value stands for one."""
+    kinds = [kind for kind in alternatives(annotation) if kind is not type(None)]
+    return bool(records_in(annotation)) and all(records_in(kind) for kind in kinds)
+
+
+def kind_of(record: type[Record]) -> str | None:
+    """Value of the field ``kind`` of a record's type; None of one without kinds."""
+    field = record.model_fields.get(TAG)
+    return str(get_args(field.annotation)[0]) if field is not None and get_origin(field.annotation) is Literal else None
+
+
+def default_of(field: FieldInfo) -> Any:
+    """Value of an input that is not written; None of one that is needed."""
+    return None if field.is_required() else field.get_default(call_default_factory=True)
+
+
+def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
+    """Say in words what a field accepts, or its key in a US unit."""
+    bounds = [
+        f"{word} {(unit.of if unit else float)(getattr(limit, attribute)):g}"
+        for kind, attribute, word in _BOUNDS
+        for limit in (*field.metadata, *_metadata(field.annotation))
+        if isinstance(limit, kind)
+    ]
+    return " or ".join(dict.fromkeys(_words(field.annotation, " ".join(bounds))))
+
+
+def _metadata(annotation: Any) -> list[Any]:
+    """What the members of a union are annotated with, such as their limits."""
+    if get_origin(annotation) is Annotated:
+        return list(annotation.__metadata__)
+    return [constraint for member in get_args(annotation) for constraint in _metadata(member)]
+
+
+def _words(annotation: Any, bounds: str = "") -> list[str]:
+    """What the alternatives of a type are called."""
+    words = []
+    for kind in alternatives(annotation):
+        origin, members = get_origin(kind), get_args(kind)
+        if origin is Literal:
+            words += [str(value) for value in members]
+        elif kind in PLAIN_TYPES:
+            words.append(PLAIN_TYPES[kind].format(bounds).strip())
+        elif origin is tuple:
+            words.append(f"[{', '.join(' or '.join(_words(member, bounds)) for member in members)}]")
+        elif members == (str,):
+            words.append("a list of names")
+        elif origin in (list, dict):
+            inner = " or ".join(_words(members[-1], bounds)).replace("a table with", "tables with")
+            words.append(f"{'a list' if origin is list else 'a table'}{f' of {inner}' if inner else ''}")
+        elif records_in(kind):
+            words += [tag] if (tag := kind_of(kind)) else [f"a table with the keys {', '.join(kind.model_fields)}"]
+    return words
+
+
+# --- Values as they are written.
+
+
+def leaves(values: Any, key: Key = ()) -> Iterator[tuple[Key, Any]]:
+    """Yield the values in tables and lists that are neither, with their paths."""
+    items: Iterable[tuple[str | int, Any]] = ()
+    if isinstance(values, Mapping):
+        items = values.items()
+    elif isinstance(values, list | tuple):
+        items = enumerate(values)
+    else:
+        yield key, values
+    for name, value in items:
+        yield from leaves(value, (*key, name))
+
+
+def _is_huge(value: float | GivenText) -> bool:
+    """Whether squares and products of a number, also as text, may leave the range of floats."""
+    try:
+        return MAX_NUMBER < abs(float(value)) < math.inf
+    except ValueError:  # a name
+        return False
+    except OverflowError:  # an integer of hundreds of digits
+        return True
+
+
+def _typed(value: Any, field: FieldInfo) -> Any:
+    """A value as the types of an input want it, where that is no guess."""
+    kinds = alternatives(field.annotation)
+    value = _read(value, kinds) if isinstance(value, GivenText) else value
+    if is_number(value) and not isinstance(value, int | float):
+        return value.item() if hasattr(value, "item") else float(value)
+    records = {kind_of(kind): kind for kind in records_in(field.annotation)}
+    if isinstance(value, str) and value in records:
+        return {TAG: value}
+    inner = next((get_args(kind)[-1] for kind in kinds if get_origin(kind) in (dict, list)), Any)
+    if isinstance(value, Mapping) and len(records) > 1 and TAG not in value:  # the kind by default
+        default = default_of(field)
+        tag = kind_of(type(default)) if isinstance(default, Record) else None
+        return {TAG: tag, **value} if tag else value
+    if isinstance(value, Mapping) and not records and inner is not Any:
+        return {key: _typed(entry, FieldInfo.from_annotation(inner)) for key, entry in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
+    """Value of a text as TOML has it where an input is a number, true or false, or a list; else the text."""
+    if text[:1] in ("[", "{") or not {int, float, bool, Any}.isdisjoint(kinds):
+        with suppress(InputError):
+            return toml_data(f"value = {text}", "")["value"]
+        with suppress(ValueError):
+            return float(text)
+    return str(text)
+
+
+def _text(value: object) -> str:
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else str(value).lower()
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _default_text(field: FieldInfo, unit: UsUnit | None) -> str:
+    default = default_of(field)
+    if isinstance(default, Record):
+        return kind_of(type(default)) or "a table with its defaults"
+    return f"{unit.of(default):.6g}" if unit and is_number(default) else _text(default)
+
+
+def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """Return inputs with others over them, which also replace the same quantities in the other units."""
+    kept = {key: value for key, value in values.items() if not any(same_quantity(key, new) for new in over)}
+    return {**kept, **over}
+
+
+# --- Paths of inputs, and settings by their endings.
+
+
+def paths_of(record: type[Record], above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield the paths of all inputs of a record and of the records in it, those of lists and names left out."""
+    for key, field in record.model_fields.items():
+        yield (*above, key)
+        if not any(get_origin(kind) in (list, dict) for kind in alternatives(field.annotation)):
+            for kind in records_in(field.annotation):
+                yield from paths_of(kind, (*above, key))
+
+
+def path_by_ending(record: type[Record], name: str) -> list[str]:
+    """Return the path of an input by its ending, ``radius_m`` of ``load.curve.radius_m``; what begins at the top as is.
+
+    Where several paths end so, it is that of the fewest tables: ``rail`` is ``track.rail``, not ``track.left.rail``.
+
+    Raises
+    ------
+    InputError
+        If no path ends so, or several with as few tables do; the message names them.
+    """
+    parts = name.split(".")
+    if record.input_named(parts[0])[0] in record.model_fields:
+        return parts
+    by_length: dict[int, dict[tuple[str, ...], None]] = {}
+    paths = dict.fromkeys(paths_of(record))
+    for path in paths:
+        end = path[-len(parts) :]
+        us = us_key(end[-1]) if end else None
+        if [*end] == parts or (us is not None and [*end[:-1], us.name] == parts):
+            by_length.setdefault(len(path), {})[(*path[:-1], parts[-1])] = None
+    fewest = [*by_length[min(by_length)]] if by_length else []
+    if len(fewest) == 1:
+        return [*fewest[0]]
+    if fewest:
+        choices = ", ".join(".".join(path) for path in fewest)
+        raise InputError(f"{name}, the end of several inputs", choices, "write more of the path")
+    by_name: dict[str, list[str]] = {}
+    for path in paths:
+        unit = us_key(path[-1])
+        for last in (path[-1], *([unit.name] if unit else [])):
+            by_name.setdefault(last, []).append(".".join((*path[:-1], last)))
+    known = [path for last in similar(parts[-1], by_name) for path in by_name[last]][:MAX_SIMILAR]
+    everything = f"`flangeway cases {record.called()}` lists all {len(paths)}"
+    raise InputError(
+        f"there is no input called {short(name)}",
+        f"the inputs of {record.called()}: {', '.join([*known, everything])}",
+        f"did you mean {known[0]}?" if known else "choose one of these",
+    )
+
+
+def with_settings(record: type[Record], values: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return inputs with settings over them.
+
+    - `values`: tables and lists of inputs.
+    - `settings`: values by paths or their endings, see `path_by_ending`; items of lists by their numbers from 1, or
+      their ``name``: ``bodies.disc.size_mm``.
+    """
+    changed, spelled = dict(values), list[list[str]]()
+    for name, value in settings.items():
+        path = path_by_ending(record, name)
+        if any(before[:-1] == path[:-1] and same_quantity(before[-1], path[-1]) for before in spelled):
+            raise InputError(f"{name}, and the same quantity in another unit", "one of them", f"leave {name} out")
+        spelled.append(path)
+        _set(changed, record, path, value, name)
+    return changed
+
+
+def _set(table: Any, record: type[Record] | None, path: list[str], value: Any, name: str, above: str = "") -> None:
+    """Replace a value below a table or a list; `above` is the path to it, for the message."""
+    item, *inner = path
+    known: dict[str, Any] = table if isinstance(table, dict) else {}
+    if isinstance(table, list):
+        known = {str(number): entry for number, entry in enumerate(table, 1)}
+        known |= {str(entry["name"]): entry for entry in table if isinstance(entry, dict) and "name" in entry}
+    if isinstance(table, dict) and not inner:
+        changed = merged(table, {item: value})
+        table.clear()
+        table.update(changed)
+        return
+    field = None if record is None else record.model_fields.get(item)
+    kinds = [] if field is None else records_in(field.annotation)
+    if isinstance(table, dict) and kinds and not isinstance(table.get(item), list):
+        there, default = table.get(item), default_of(field) if field is not None else None
+        there = default if there is None and isinstance(default, Record) else there
+        if isinstance(there, Record):
+            there = there.written
+        elif isinstance(there, str):
+            there = {TAG: there}
+        known[item] = dict(there or {})
+    if item not in known or not inner:
+        raise InputError(
+            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
+            "name tables by their keys, and items of lists by their numbers from 1 or their names",
+        )  # fmt: skip
+    kind = next((kind for kind in kinds if inner[0] in kind.model_fields), None)
+    if isinstance(table, list):
+        kind = record
+    _set(known[item], kind, inner, value, name, f"{above}.{item}".removeprefix("."))
+
+
+# --- Messages.
+
+
+def closest(word: str, known: list[str]) -> str:
+    """Advice that names the known word most like the given one."""
+    names = similar(word, known)
+    return f"did you mean {names[0]}?" if names else "choose one of these"
+
+
+def similar(word: str, known: Iterable[str]) -> list[str]:
+    """Known words that contain a word or are spelled like it, the most similar first."""
+    known = [*known]
+    containing = [name for name in known if len(word) >= MIN_LETTERS_OF_PART and word.lower() in name.lower()]
+    return list(dict.fromkeys([*containing, *difflib.get_close_matches(word, known, n=MAX_SIMILAR, cutoff=0.6)]))
+
+
+def require_known(key: str, name: str, known: Collection[str], what: str = "") -> None:
+    """Refuse a name that is not among the known ones, and name the one most like it; `what` these are is optional."""
+    if name not in known:
+        names = f"{f'{what}: ' if what else ''}{', '.join(known) or 'none'}"
+        raise InputError(f"{key} = {name!r}", names, closest(name, [*known]) if known else "leave it out")
+
+
+def key_text(key: Key) -> str:
+    """Write a path of keys: ``bodies[1].young_MPa``, counted from 1."""
+    text = ""
+    for item in key:
+        text += f"[{item + 1}]" if isinstance(item, int) else f".{item}" if text else item
+    return text
+
+
+def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
+    meaning = field.description or ""
+    if field.is_required():
+        return f"give {key}: {meaning}".removesuffix(": ")
+    return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})".removesuffix(" ()")
+
+
+def _input_error(
+    record: type[Record], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
+) -> InputError:
+    """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
+    faults: dict[Key, tuple[str, str, str]] = {}
+    for error in reason.errors(include_url=False):
+        key, kinds, field, given = _located(record, values, error["loc"])
+        table = kinds[0]
+        if key in faults or _is_of_another_type(error, field, given):  # refused by each of several types
+            continue
+        last = next((item for item in reversed(key) if isinstance(item, str)), "")
+        unit = table.input_named(last)[1]
+        if error["type"] == "value_error":  # of what excludes each other, or of a check of the record
+            faults[key] = _of_check(error, where(key), key)
+        elif field is not None:
+            text = f"{where(key)}{key_text(key)} = {short(error['input'] if given is None else given)}"
+            if error["type"] == "missing":
+                text = f"{where(key[:-1])}no {key_text(key)}"
+            faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
+        elif unit is not None:
+            text = f"{where(key)}{key_text(key)}, and the same quantity in another unit"
+            faults[key] = text, "one of them", f"leave {last} or the other one out"
+        else:
+            faults[key] = _of_unknown(record, kinds, key, where(key))
+    given_texts, allow, advices = zip(*[*faults.values()][:MAX_REPORTED], strict=True)
+    more = [f"and {len(faults) - MAX_REPORTED} more"] if len(faults) > MAX_REPORTED else []
+    return InputError(
+        "; ".join([*given_texts, *more]), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advices))
+    )
+
+
+def _is_of_another_type(error: Any, field: FieldInfo | None, given: Any) -> bool:
+    """Whether a plain type refuses a table, or a table's type a plain value, where the other one is allowed."""
+    if field is None or not records_in(field.annotation) or error["type"] == "missing":
+        return False
+    of_record = error["type"] in ("model_type", "union_tag_invalid", "union_tag_not_found", "model_attributes_type")
+    return isinstance(given, Mapping) != of_record and isinstance(given, Mapping)
+
+
+def _of_check(error: Any, place: str, key: Key) -> tuple[str, str, str]:
+    reason = error["ctx"]["error"]
+    if isinstance(reason, InputError):
+        return f"{place}{reason.given}", reason.allowed, reason.advice
+    above = f"{key_text(key)}: " if key else ""
+    return f"{place}{above}{reason}", "one of them", "leave one of them out"
+
+
+class _RefusedError(InputError, ValueError):
+    """An `InputError` that pydantic takes for one of its own inside of the checks of a record."""
+
+
+def refused_by_check(given: str, allow: str, advice: str) -> InputError:
+    """Error that a check of a record raises; the reader puts file and line before it."""
+    return _RefusedError(given, allow, advice)
+
+
+def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place: str) -> tuple[str, str, str]:
+    """Unknown inputs: the kinds that have it, or names of those that are similar; of a small table all."""
+    table, *others = kinds
+    inside, last = key_text(key[:-1]), str(key[-1])
+    having = [str(kind_of(kind)) for kind in others if last in kind.model_fields]
+    if having:
+        advice = f"leave {last} out, or give {inside}.{TAG} = {having[0]}"
+        return f"{place}{key_text(key)}: only {' and '.join(having)} have one", f"{last} of {', '.join(having)}", advice
+    text = f"{place}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
+    elsewhere = [
+        ".".join(path)
+        for path in paths_of(record)
+        if last == path[-1] or ((unit := us_key(path[-1])) is not None and unit.name == last)
+    ]
+    known = [*table.model_fields]
+    us_names = [unit.name for name in known if (unit := us_key(name))]
+    names = similar(last, [*known, *us_names])
+    advice = f"did you mean {elsewhere[0]}?" if elsewhere else closest(last, names or known)
+    if len(known) > MAX_LISTED:
+        known = [*names[:MAX_SIMILAR], f"`flangeway cases {record.called()}` lists all {len(known)}"]
+    return text, f"the inputs of {inside or record.called()}: {', '.join(known)}", advice
+
+
+def _located(record: type[Record], values: Any, location: Key) -> tuple[Key, list[type[Record]], FieldInfo | None, Any]:
+    """Path of a fault as it was written, the table that it is in, the field, None for unknown keys, and what was given.
+
+    Behind the table are the other kinds that could be in its place.
+    """
+    path: list[str | int] = []
+    tables, inner, field, is_name = [record], [record], None, False
+    for item in location:
+        if isinstance(item, int) or is_name:
+            is_name = False
+        else:
+            tagged = [kind for kind in inner if item in (kind_of(kind), kind.__name__)]
+            if path and field is not None and (tagged or item.startswith(("list[", "dict[")) or item in _TYPES):
+                inner = [*tagged, *(kind for kind in inner if kind not in tagged)]
+                continue  # the name of one of several types
+            if not inner:
+                break
+            tables = inner
+            field = tables[0].described_fields().get(item)
+            if field is not None:
+                inner = records_in(field.annotation)
+                is_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))
+            if isinstance(values, Mapping) and item not in values:  # it may be written in US units
+                item = next((name for name in values if same_quantity(item, str(name))), item)  # noqa: PLW2901
+        path.append(item)
+        try:
+            values = values[item]
+        except (KeyError, IndexError, TypeError):
+            values = None
+    return tuple(path), tables, field, values
+
+
+_TYPES = ("float", "int", "str", "bool", "tuple", "constrained-str", "constrained-float", "constrained-int")
+"""What pydantic calls plain types in the places of errors."""
