@@ -34,7 +34,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.cases.summary import plain_numbers
 from flangeway.report.figures.drawing import SERIES, legend_below, panels
-from flangeway.report.page.record import Again, Picture, Record, SummaryTable
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.system.file_content import packaged_rows
@@ -327,12 +327,12 @@ class Computed:
         rows = tuple((row.named(), row.code, *row.compared()) for row in self.rows)
         return SummaryTable(f"All {len(rows)} numbers", ("quantity", "code", *COMPARED), rows)
 
-    def record(self, command: str) -> Record:
+    def record(self, command: str) -> Report:
         """Return what terminal and report show; `command` computes it again."""
         title, name = self.study.template[0], self.study.name
         n_required, n_within, n_shown = self.counts
         facts = [(f"{n_within} of {n_required}", "numbers with a limit within it")]
-        return Record(
+        return Report(
             name=name,
             title=title,
             subtitle="Computed numbers beside published or exact ones",

@@ -45,8 +45,8 @@ ORDER = (
     "__main__",
     TOP,
 )
-FILES_AT_THE_TOP = ORDER[: ORDER.index("system")]
-FOLDERS = ORDER[ORDER.index("system") : ORDER.index("__main__")]
+FILES_AT_THE_TOP = (*ORDER[: ORDER.index("system")], "records")
+FOLDERS = tuple(name for name in ORDER[: ORDER.index("__main__")] if name not in FILES_AT_THE_TOP)
 
 
 def level(name: str) -> int:
