@@ -23,7 +23,19 @@ from contextlib import suppress
 from functools import cache
 from itertools import pairwise
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias, Union, get_args, get_origin
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    NamedTuple,
+    Self,
+    TypeAlias,
+    Union,
+    get_args,
+    get_origin,
+)
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
@@ -225,7 +237,7 @@ class Record(_Base):
         rows, inner = [], []
         for key, field in cls.described_fields().items():
             unit = us_key(key) if units == "us" else None
-            default = "needed" if field.is_required() else _default_text(field, unit)
+            default = "needed" if field.is_required() else default_text(field, unit)
             kinds = records_in(field.annotation)
             several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
             for kind in kinds:
@@ -346,6 +358,30 @@ def leaves(values: Any, key: Key = ()) -> Iterator[tuple[Key, Any]]:
         yield from leaves(value, (*key, name))
 
 
+class Entry(NamedTuple):
+    """An input of a record: its path, its field, its value, and whether it is the one that is there without it."""
+
+    path: tuple[str, ...]
+    field: FieldInfo
+    value: Any
+    is_default: bool
+
+    @property
+    def name(self) -> str:
+        """The path with points between its parts."""
+        return ".".join(self.path)
+
+
+def entries_of(record: Record, above: tuple[str, ...] = (), *, is_kind_by_default: bool = True) -> Iterator[Entry]:
+    """Yield the inputs of a record and of the records in it, one by one; lists of records are one input."""
+    for key, field in type(record).described_fields().items():
+        value, default, path = getattr(record, key), default_of(field), (*above, key)
+        if isinstance(value, Record):
+            yield from entries_of(value, path, is_kind_by_default=type(value) is type(default))
+        else:
+            yield Entry(path, field, value, value == default and (key != TAG or is_kind_by_default))
+
+
 def _is_huge(value: float | GivenText) -> bool:
     """Whether squares and products of a number, also as text, may leave the range of floats."""
     try:
@@ -391,7 +427,8 @@ def _text(value: object) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def _default_text(field: FieldInfo, unit: UsUnit | None) -> str:
+def default_text(field: FieldInfo, unit: UsUnit | None = None) -> str:
+    """Text of the value of an input that is not written, or of its key in a US unit."""
     default = default_of(field)
     if isinstance(default, Record):
         return kind_of(type(default)) or "a table with its defaults"
@@ -456,6 +493,20 @@ def path_by_ending(record: type[Record], name: str) -> list[str]:
     )
 
 
+def flattened(values: Mapping[str, Any], leaves_too: Collection[str] = (), above: str = "") -> dict[str, Any]:
+    """Return inputs inside tables by their paths, ``bodies.disc.size_mm``.
+
+    - `leaves_too`: keys of tables that are values themselves, such as ``from`` of ranges.
+    """
+    by_path: dict[str, Any] = {}
+    for key, value in values.items():
+        if isinstance(value, Mapping) and value and not set(value) & {*leaves_too}:
+            by_path |= flattened(value, leaves_too, f"{above}{key}.")
+        else:
+            by_path[f"{above}{key}"] = value
+    return by_path
+
+
 def with_settings(record: type[Record], values: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return inputs with settings over them.
 
@@ -492,8 +543,9 @@ def _set(table: Any, record: type[Record] | None, path: list[str], value: Any, n
         there = default if there is None and isinstance(default, Record) else there
         if isinstance(there, Record):
             there = there.written
-        elif isinstance(there, str):
-            there = {TAG: there}
+        elif isinstance(there, str):  # a kind by its name, or what a table needs alone
+            needed = next((key for kind in kinds for key, one in kind.model_fields.items() if one.is_required()), TAG)
+            there = {TAG if there in map(kind_of, kinds) else needed: there}
         known[item] = dict(there or {})
     if item not in known or not inner:
         raise InputError(
@@ -541,7 +593,7 @@ def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
     meaning = field.description or ""
     if field.is_required():
         return f"give {key}: {meaning}".removesuffix(": ")
-    return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})".removesuffix(" ()")
+    return f"leave {key} out for the default {default_text(field, unit)} ({meaning})".removesuffix(" ()")
 
 
 def _input_error(

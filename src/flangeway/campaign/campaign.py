@@ -15,7 +15,7 @@ from pydantic import Field, create_model
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
-from flangeway.records import GivenText, Record, require_known
+from flangeway.records import GivenText, Record, flattened, require_known
 from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
 from flangeway.system.output_folder import versions
 from flangeway.units import Units, metric_key
@@ -37,17 +37,6 @@ RangeTable: type[Record] = create_model(
     },
 )  # type: ignore[call-overload]
 """A range of values; its keys are words of Python."""
-
-
-def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Return inputs inside tables by their paths, ``bodies.disc.size_mm``; ranges stay tables."""
-    by_path: dict[str, Any] = {}
-    for key, value in values.items():
-        if isinstance(value, dict) and value and not set(value) & set(RANGE_KEYS):
-            by_path |= flattened(value, f"{above}{key}.")
-        else:
-            by_path[f"{above}{key}"] = value
-    return by_path
 
 
 def values_of(key: str, given: Any, location: str) -> list[Any]:
@@ -320,8 +309,7 @@ class _CampaignText(TomlFile):
         tables = CampaignTables.from_values(self.data, self.place)
         case = self._case_name(tables.case)
         inputs = resolved(self, tables.inputs, self.file.parent.resolve(), ("inputs",))
-        if is_case_file(case):  # else tables are inputs of their own
-            inputs = flattened(inputs)
+        inputs = flattened(inputs)
         if units:
             inputs["units"] = units
         keys, varied = self._varied(tables)
@@ -353,7 +341,7 @@ class _CampaignText(TomlFile):
 
     def _varied(self, tables: CampaignTables) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
         """Keys that vary, and their values row by row as they are written; the grid is inside of the table."""
-        lists, table = flattened(tables.vary), tables.table
+        lists, table = flattened(tables.vary, RANGE_KEYS), tables.table
         if isinstance(lists.get("table"), str):  # the last line of a file belongs to its last table
             if table is not None:
                 raise InputError(f"{self._line('vary', 'table')}table twice", "one table", "remove one of both")
@@ -384,7 +372,7 @@ class _CampaignText(TomlFile):
         except InputError as reason:
             key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
             location = self._line("vary" if key in varied else "inputs", key)
-            if key in varied and key not in flattened(self.data.get("vary", {})):
+            if key in varied and key not in flattened(self.data.get("vary", {}), RANGE_KEYS):
                 location = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
             raise InputError(location + row + reason.given, reason.allowed, reason.advice) from reason

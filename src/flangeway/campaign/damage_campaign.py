@@ -5,10 +5,10 @@ from typing import Any
 
 from pydantic import Field
 
-from flangeway.campaign.campaign import CAMPAIGN_FILE, flattened, grid, values_of
+from flangeway.campaign.campaign import CAMPAIGN_FILE, RANGE_KEYS, grid, values_of
 from flangeway.cases.damage_file import DamageFile, DamageInputs
 from flangeway.errors import InputError
-from flangeway.records import Record
+from flangeway.records import Record, flattened
 from flangeway.system.file_content import TomlFile
 
 
@@ -34,7 +34,7 @@ class DamageCampaign(TomlFile):
     def strategies(self) -> dict[str, DamageInputs]:
         """Return the inputs of the damage file as it is, and of all combinations; an `InputError` as of both."""
         tables = DamageCampaignTables.from_values(self.data, self.place)
-        given = flattened(tables.vary)
+        given = flattened(tables.vary, RANGE_KEYS)
         varied = {key: values_of(key, values, self.place(("vary", *key.split(".")))) for key, values in given.items()}
         if not varied:
             raise InputError(f"{self.file}: nothing varies", "[vary.inputs] and the like with lists", "add one")

@@ -5,8 +5,8 @@ from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode,
 from flangeway.cases.case import Case, Convergence, RunnableCase, run_halved
 from flangeway.cases.case_file import CASES, find_case, load_case, schema, write_template
 from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetRun, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 
 __all__ = [
     "CASES",
@@ -18,11 +18,8 @@ __all__ = [
     "CookCode",
     "RunResult",
     "RunnableCase",
-    "SpatialWheelsetCase",
-    "WheelsetCase",
-    "WheelsetCurveCase",
+    "Wheelset",
     "WheelsetRun",
-    "WheelsetTangentCase",
     "cook_grid",
     "find_case",
     "load_case",

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from flangeway.cases.summary import RunResult, summary_numbers
 from flangeway.errors import InputError
-from flangeway.records import InputRow, Record
+from flangeway.records import InputRow, Record, entries_of, with_settings
 from flangeway.system.file_content import toml_data
 from flangeway.types import Progress
 from flangeway.units import Units, same_quantity
@@ -36,13 +36,13 @@ class Case(Record):
     title: ClassVar[str]
     units: Units = "metric"
     """units of numbers in results; an input has the unit at the end of its key"""
-    report_title: str | None = Field(None, max_length=200)
+    report_title: str | None = Field(default=None, max_length=200)
     """title of the report (default: that of the case)"""
-    project: str | None = Field(None, max_length=200)
+    project: str | None = Field(default=None, max_length=200)
     """project, for the report"""
-    author: str | None = Field(None, max_length=200)
+    author: str | None = Field(default=None, max_length=200)
     """author, for the report"""
-    date: str | None = Field(None, max_length=60)
+    date: str | None = Field(default=None, max_length=60)
     """date, for the report (default: today)"""
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
@@ -87,10 +87,11 @@ class RunnableCase(Case):
 
     def halved_sizes(self) -> dict[str, float]:
         """Return the inputs `HALVING` with values for half of the sizes; an `InputError` if none has a value."""
-        given = {key: getattr(self, key) for key in HALVING if key in type(self).model_fields}
-        if "size_scale" in given:  # the other sizes are multiplied by it
-            given = {key: value for key, value in given.items() if not key.endswith("size_mm")}
-        finer = {key: type(value)(value * HALVING[key]) for key, value in given.items() if value is not None}
+        given = {entry.name: entry.value for entry in entries_of(self) if entry.path[-1] in HALVING}
+        if any(name.endswith("size_scale") for name in given):  # the other sizes are multiplied by it
+            given = {name: value for name, value in given.items() if not name.endswith("size_mm")}
+        factors = {name: HALVING[name.rpartition(".")[2]] for name in given}
+        finer = {name: type(value)(value * factors[name]) for name, value in given.items() if value is not None}
         if not finer:
             raise InputError(
                 f"the case {self.name} without {' and '.join(given) or 'one size of all its elements'}",
@@ -150,15 +151,8 @@ class PresetCase(RunnableCase):
 
 
 GROUPS = {
-    "rail": "Profiles",
-    "gauge_mm": "Track and wheelset",
-    "axle_load_kN": "Load and curve",
     "thickness_mm": "Bodies and material",
     "young_MPa": "Bodies and material",
-    "model": "Position",
-    "lateral_mm": "Position",
-    "rail_support": "Rails on sleepers, wheels and axle",
-    "wheel_young_MPa": "Materials of wheels and rails",
     **dict.fromkeys(("method", "upper_method", "size_mm", "cell_mm"), "Elements and mesh"),
     "pairing": "Contact",
     **dict.fromkeys(
@@ -166,7 +160,6 @@ GROUPS = {
     ),
     "equilibria": "Equilibrium",
     "longitudinal_creepage": "Motion and friction",
-    "kinetic_friction": "Friction that falls with slip and temperature",
     "curve": "Creep curve and cells",
 }
 """Captions of the groups of inputs, by the key that begins the group."""
@@ -233,11 +226,12 @@ def run_halved(case: RunnableCase, progress: Progress = lambda _: None) -> Conve
     It is an `InputError` if the inputs make no problem that can be solved, or half of a size is not allowed.
     """
     finer = case.halved_sizes()
-    halved = case.from_values({**case.model_dump(exclude_unset=True), **finer})
+    halved = case.from_values(with_settings(type(case), case.written, finer))
     halved.check()
 
     def run(of: RunnableCase, sizes: str) -> RunResult:
         return of.run(lambda sentence: progress(f"{sizes}: {sentence}"))
 
     runs = run(case, "given sizes"), run(halved, "half of the sizes")
-    return Convergence(case, {key: (getattr(case, key), value) for key, value in finer.items()}, runs)
+    sizes = {entry.name: entry.value for entry in entries_of(case)}
+    return Convergence(case, {name: (sizes[name], value) for name, value in finer.items()}, runs)

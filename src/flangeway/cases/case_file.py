@@ -20,8 +20,7 @@ from flangeway.cases.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section_run import TorsionCase
 from flangeway.cases.spatial_case import CraneWheelCase, CrossedCylindersCase, RollerCase, SpatialCase
 from flangeway.cases.summary import mapped
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError, located, short
 from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.records import (
@@ -49,7 +48,7 @@ from flangeway.units import Units, UsUnit, us_key
 CASES: dict[str, type[RunnableCase]] = {
     case.name: case
     for case in (
-        *(SpatialWheelsetCase, WheelsetTangentCase, WheelsetCurveCase),
+        Wheelset,
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
         *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase, RollingPatchCase),
     )
@@ -62,7 +61,7 @@ CASE_FILES = {file.stem: file for file in sorted((Path(__file__).parent / "files
 FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
 
-FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file", "pressure_file", "friction_file")
+FILE_KEYS = ("rail", "wheel", "section", "file", "pressure_file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
 OPTION_OF_ENDING = {
     **dict.fromkeys((".ban", ".prr", ".rail", ".slcs"), "--rail"),
@@ -227,15 +226,13 @@ class CaseText(TomlFile):
             return find_case(name if isinstance(name, str) else short(name)), values
 
     def name_and_values(self) -> tuple[Any, dict[str, Any]]:
-        """Value of the key ``case`` (``model = "spatial"`` is the case of this name), and the inputs."""
+        """Value of the key ``case``, and the inputs."""
         values = dict(self.data)
         self._refuse_other_format(values.pop("flangeway", FORMAT))
-        if "case" not in values and values.get("model") == "spatial":
-            values["case"] = values.pop("model")
         if "case" not in values:
             raise InputError(
                 f"{self.file}: no key case",
-                'a line such as case = "wheelset-tangent" at the top',
+                'a line such as case = "wheelset" at the top',
                 "add it; `flangeway cases` lists the names"
                 + (", `flangeway section` reads outlines" if "outer" in values or "parts" in values else ""),
             )
@@ -364,8 +361,12 @@ def write_case_file(case: RunnableCase) -> str:
 
     Names of files are as given, in tables relative to the current folder; a case file reads them from its own folder.
     """
-    values = case.model_dump(exclude_defaults=True)
-    return "\n".join([f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}", *_toml_lines(values, ())]) + "\n"
+    return toml_text({"flangeway": FORMAT, "case": case.name, **case.model_dump(exclude_defaults=True)})
+
+
+def toml_text(values: Mapping[str, Any]) -> str:
+    """Return tables, lists and values as TOML."""
+    return "\n".join(_toml_lines(values, ())) + "\n"
 
 
 def _toml_lines(table: Mapping[str, Any], above: tuple[str, ...]) -> list[str]:

@@ -8,14 +8,14 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field, create_model
 
 from flangeway.cases.case_file import resolved
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
 from flangeway.railway.damage.worn_surface import LIMITS
 from flangeway.railway.track.wheelset_problem import Role
-from flangeway.records import Record, merged, require_known
+from flangeway.records import Record, flattened, merged, path_by_ending, require_known, with_settings
 from flangeway.system.file_content import TomlFile, TomlKind
 from flangeway.types import Key
 from flangeway.units import metric_key
@@ -39,7 +39,7 @@ class StateTable(Record):
     """fraction of the distance; all shares sum to 1"""
     name: str | None = None
     """name of the state (default: its number)"""
-    parts: int = Field(1, ge=1, le=1000)
+    parts: int = Field(default=1, ge=1, le=1000)
     """equal parts of its ranges, each computed in its middle"""
 
 
@@ -145,7 +145,7 @@ class DamageFile(TomlFile):
     def damage(self) -> DamageInputs:
         """Check all of it; an `InputError` names file, line, key, what is allowed and what to do."""
         tables, name = DamageTables.from_values(self.data, self.place), self.data.get("collective", "")
-        inputs = self._resolved(tables.inputs, "inputs")
+        inputs = self._paths(tables.inputs, "inputs")
         if bool(name) == bool(tables.states):
             raise InputError(
                 f"{self.file}: {'both a' if name else 'no'} collective and states",
@@ -159,12 +159,12 @@ class DamageFile(TomlFile):
         for bundled in COLLECTIVES.get(name, ()):
             for key in sorted(key for key in inputs if metric_key(key, bundled)[0] in bundled):
                 raise InputError(
-                    f"{self.place(('inputs', key))}{key} with a bundled collective, whose states have their own",
+                    f"{self.place(('inputs', *key.split('.')))}{key} with a bundled collective, whose states have their own",
                     "other inputs, or [[states]] in the place of collective",
                     f"remove {key}, or write the states into the file",
                 )
         given = COLLECTIVES.get(name) or [
-            self._resolved(state.model_extra or {}, "states", number - 1)
+            self._paths(state.model_extra or {}, "states", number - 1)
             | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
             for number, state in enumerate(tables.states, 1)
         ]
@@ -190,10 +190,11 @@ class DamageFile(TomlFile):
         name, share = values.pop("name"), values.pop("share")
         location = self.place(("inputs",) if number is None or self.changed_inputs else ("states", number))
         with located(f"{location}{name}: "):
-            case = SpatialWheelsetCase.from_values(merged(values, self._resolved(self.changed_inputs, "inputs")))
-            if case.model == "plane":
-                raise InputError("model = 'plane'", "spatial: wear needs cells along the rail", "leave model out")
-            return RunningState(name, share, case.problem(), case.spatial_model())
+            inputs = merged(values, self._paths(self.changed_inputs, "inputs"))
+            case = Wheelset.from_values(with_settings(Wheelset, {}, inputs))
+            if case.contact.kind == "plane":
+                raise InputError("contact.kind = plane", "spatial: wear needs cells along the rail", "leave it out")
+            return RunningState(name, share, case)
 
     def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
         """The wear law of wheels or rails, for each cell, or for each patch as a whole."""
@@ -211,6 +212,12 @@ class DamageFile(TomlFile):
     def _values(self, key: Key, given: Mapping[str, Any], table: type[Record]) -> dict[str, Any]:
         """Checked entries of a table of the file."""
         return table.from_values(given, lambda inner: self.place((*key, *inner))).model_dump(exclude_unset=True)
+
+    def _paths(self, inputs: Mapping[str, Any], *above: str | int) -> dict[str, Any]:
+        """Inputs of a wheelset by their whole paths, in whatever tables and by whatever endings they are written."""
+        written = flattened(self._resolved(inputs, *above))
+        with located(self.place(above)):
+            return {".".join(path_by_ending(Wheelset, name)): value for name, value in written.items()}
 
     def _resolved(self, inputs: Mapping[str, Any], *above: str | int) -> dict[str, Any]:
         """Inputs with the names of files that are relative to this one independent of the current folder."""

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.rigid_run import conicities_of, find_geometry_case
-from flangeway.cases.wheelset.wheelset_inputs import USUAL_BODIES, with_body
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
 from flangeway.quantities import Quantities, Quantity, columns, of_part, values
@@ -26,6 +25,7 @@ from flangeway.railway.profiles.joining import (
     on_plain_body,
     whole_profile,
 )
+from flangeway.railway.profiles.named import USUAL_BODIES, with_body
 from flangeway.railway.profiles.orientation import Orientation, ReadOptions, measures, only_face, worn_side
 from flangeway.railway.profiles.profile_file import (
     FORMATS,
@@ -38,7 +38,6 @@ from flangeway.railway.profiles.profile_file import (
 )
 from flangeway.railway.profiles.smoothing import Smoothing
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, RollingRadiusDifference
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -501,14 +500,9 @@ def _nominal_measures(name: str) -> dict[str, float]:
 
 def _conicity(run: ProfileRun, partner: str) -> float:
     """Equivalent conicity of a wheelset in standard gauge that has a profile on both sides."""
-    usual = find_geometry_case("s1002-60e1", {"wheel" if run.profile.kind == "rail" else "rail": partner})
-    track, wheelset, body = usual.track(), usual.wheelset(), on_plain_body(run.profile)
-    if isinstance(body, RailProfile):
-        track = replace(track, rail=body)
-    else:
-        radius = usual.wheel_radius_mm + body.flange_height_mm
-        wheelset = replace(wheelset, wheel=body, radius_mm=radius)
-    geometry = RigidGeometry.of(track, wheelset)
+    body = on_plain_body(run.profile)
+    rail, wheel = (body, partner) if isinstance(body, RailProfile) else (partner, body)
+    geometry = find_geometry_case("s1002-60e1", {"track.rail": rail, "wheelset.wheel": wheel}).geometry()
     locus = geometry.scanned(REACH_MM, STEP_MM)
     if len(locus.lateral_mm) < 2:
         raise InputError("contact in the middle of the track alone", "contact on both sides of it", "look at the pair")

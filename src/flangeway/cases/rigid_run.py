@@ -12,13 +12,11 @@ from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.case_file import CaseText, resolved
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
+from flangeway.cases.wheelset.wheelset_case import Wheelset
+from flangeway.cases.wheelset.wheelset_notes import derived, profile_notes, side_warnings
 from flangeway.cases.wheelset.wheelset_quantities import TRACK
 from flangeway.errors import InputError, short
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
 from flangeway.railway.profiles.orientation import conforming
 from flangeway.railway.rigid.conicity import (
@@ -37,9 +35,22 @@ from flangeway.railway.rigid.rigid_equilibrium import (
 )
 from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, RigidGeometry
 from flangeway.railway.rigid.rigid_side import MAX_YAW_RAD
-from flangeway.railway.track.placements import RUNNING_CIRCLES_MM, SIDES, Track, Wheelset
+from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.wheelset_problem import Plane, WheelsetOnTrack
 from flangeway.railway.wheelset.spatial_result import BESIDE_MM
-from flangeway.records import LengthUnit, closest, merged
+from flangeway.records import (
+    TAG,
+    LengthUnit,
+    Positive,
+    Record,
+    closest,
+    key_text,
+    kind_of,
+    leaves,
+    path_by_ending,
+    records_in,
+    with_settings,
+)
 from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import toml_data
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -49,54 +60,60 @@ from flangeway.types import Floats, Progress
 # --- Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load.
 
 
-class GeometryCase(WheelsetInputs):
-    """A rigid wheelset on two rigid rails; thickness and material are for Hertz's estimate."""
+class Scan(Record):
+    """Positions of the rigid wheelset, and amplitudes of its conicity."""
 
-    name = "geometry"
-    title = "Contact geometry of a rigid wheelset on rigid rails"
-
-    maximum_lateral_mm: float = Field(8.0, gt=0.0, le=60.0)
+    maximum_lateral_mm: float = Field(default=8.0, gt=0.0, le=60.0)
     """maximum lateral displacement that is shown; less where a flange climbs before"""
-    step_mm: float = Field(0.02, ge=1e-3, le=1.0)
+    step_mm: float = Field(default=0.02, ge=1e-3, le=1.0)
     """distance of the positions"""
-    maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0)
+    maximum_amplitude_mm: float = Field(default=6.0, gt=0.0, le=30.0)
     """maximum amplitude of the conicity"""
     roll: Literal["free", "none"] = "free"
     """free: both wheels touch; none: no roll, as in the reference results of EN 15302"""
 
-    yaw_mrad: float = Field(0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD)
+
+class Yaw(Record):
+    """The position of the rigid wheelset as far as it is prescribed."""
+
+    yaw_mrad: float = Field(default=0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD)
     """yaw of the axle, counter-clockwise seen from above: the right wheel is ahead"""
 
-    @property
-    def yaw_rad(self) -> float:
-        """Yaw of the axle in radians."""
-        return 1e-3 * self.yaw_mrad
+
+class Slice(Record):
+    """What Hertz's estimates are for."""
+
+    thickness_mm: Positive = Plane.model_fields["thickness_mm"].default
+    """length of the bodies along the track, for Hertz's estimate"""
+
+
+class GeometryCase(WheelsetOnTrack, Case):
+    """A rigid wheelset on two rigid rails; material and thickness are for Hertz's estimate."""
+
+    name = "geometry"
+    title = "Contact geometry of a rigid wheelset on rigid rails"
+
+    position: Yaw = Yaw()
+    """yaw of the axle"""
+    scan: Scan = Scan()
+    """positions and amplitudes"""
+    contact: Slice = Slice()
+    """what Hertz's estimates are for"""
 
     def geometry(self) -> RigidGeometry:
         """Return the rigid geometry; an `InputError` if a profile is unknown or a length is not allowed."""
-        return RigidGeometry.of(self.track(), self.wheelset(), self.yaw_rad)
-
-
-def _main_inputs() -> dict[str, Any]:
-    """Inputs of the wheelset in three dimensions where they are not the defaults here."""
-    of_geometry, main = GeometryCase.model_fields, SpatialWheelsetCase.model_fields
-    shared = [key for key in WheelsetInputs.model_fields if main[key].default != of_geometry[key].default]
-    return {key: main[key].default for key in shared}
+        return RigidGeometry.of(self.track, self.wheels, 1e-3 * self.position.yaw_mrad)
 
 
 _FILE = Path(__file__).with_name("geometry_cases.toml")
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
-    name: (inputs.pop("title"), inputs | (_main_inputs() if name == SpatialWheelsetCase.name else {}))
-    for name, inputs in toml_data(_FILE.read_text(encoding="utf-8"), "").items()
+    name: (inputs.pop("title"), inputs) for name, inputs in toml_data(_FILE.read_text(encoding="utf-8"), "").items()
 }
 """Title and inputs that differ from the defaults, by name."""
 
 
-OWN_NAME = "geometry"  # name in a case file of nothing but the geometry
-
-
-def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
-    """Return a case by its name with some inputs changed.
+def find_geometry_case(name: str, settings: Mapping[str, Any]) -> GeometryCase:
+    """Return a case by its name with some inputs changed, see `flangeway.records.with_settings`.
 
     It is an `InputError` if there is none of that name, or an input is wrong.
     """
@@ -106,43 +123,56 @@ def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
             f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
             closest(name, list(GEOMETRY_CASES)),
         )
-    return _on_its_base(name, GeometryCase.from_values(merged(GEOMETRY_CASES[name][1], values)))
+    return GeometryCase.from_values(with_settings(GeometryCase, GEOMETRY_CASES[name][1], settings))
 
 
-def _on_its_base(name: str, case: GeometryCase) -> GeometryCase:
-    """Return a case whose superelevation is measured over the same base as by the case of that name."""
-    if name != SpatialWheelsetCase.name or not case.superelevation_mm or case.superelevation_base_mm is not None:
-        return case
-    return case.model_copy(update={"superelevation_base_mm": case.gauge_mm + RUNNING_CIRCLES_MM})
-
-
-def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
-    """Return the geometry case of a case file, and a sentence on the keys that it does not use.
+def read_geometry_case(file: Path, settings: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
+    """Return the geometry case of a case file, and a sentence on the inputs that it does not use.
 
     It is an `InputError` if the file is of another case, or an input is wrong; the message names file, line and key.
     - `file`: a case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case =
       "geometry"``.
-    - `values`: inputs that replace those of the file.
+    - `settings`: inputs that replace those of the file, see `flangeway.records.with_settings`.
     """
     text = CaseText.read(file)
-    name, given = text.name_and_values()
-    if name != OWN_NAME and name not in GEOMETRY_CASES:
+    name, values = text.name_and_values()
+    if name not in (GeometryCase.name, Wheelset.name):
         raise InputError(
             f"{text.place(('case',))}case = {short(name)}",
-            f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
+            f"a wheelset: {Wheelset.name} or {GeometryCase.name}",
             "`flangeway run` computes the other cases",
         )
-    kind = SpatialWheelsetCase if name == SpatialWheelsetCase.name else WheelsetCase
-    of_geometry, known = GeometryCase.model_fields, kind.model_fields
-    unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in of_geometry]
-    used = {key: value for key, value in given.items() if key not in unused}
-    base = GEOMETRY_CASES["s1002-60e1" if name == OWN_NAME else name][1]
+    unused = list[str]()
+    used = resolved(text, _used(values, GeometryCase, Wheelset, "", unused), file.parent)
+    replaced = {path_by_ending(GeometryCase, key)[0] for key in settings}
     case = GeometryCase.from_values(
-        merged(merged(base, resolved(text, used, file.parent)), values),
-        lambda key: "" if key and key[0] in values else text.place(key),
+        with_settings(GeometryCase, used, settings), lambda key: "" if key and key[0] in replaced else text.place(key)
     )
-    notice = f"not used by the geometry: {', '.join(unused)}"
-    return _on_its_base(name, case), (notice,) if unused else ()
+    return case, (f"not used by the geometry: {', '.join(unused)}",) if unused else ()
+
+
+def _used(
+    values: Mapping[str, Any], record: type[Record], of_wheelset: type[Record], above: str, unused: list[str]
+) -> dict[str, Any]:
+    """Inputs of a wheelset that its rigid geometry has; the paths of the others are added to a list."""
+    used = {}
+    for key, value in values.items():
+        name, path = of_wheelset.input_named(key)[0], f"{above}{key}"
+        own, other = (
+            records_in(kind.model_fields[name].annotation) if name in kind.model_fields else []
+            for kind in (record, of_wheelset)
+        )
+        if name in of_wheelset.model_fields and name not in record.model_fields:
+            unused.append(path)
+        elif own and other and own != other and isinstance(value, Mapping):
+            # a kind of contact is chosen by its own keys
+            wide = next((kind for kind in other if kind_of(kind) == value.get(TAG)), other[0])
+            used[key] = _used(value, own[0], wide, f"{path}.", unused)
+        elif own != other and not isinstance(value, Mapping):
+            unused.append(path)
+        else:
+            used[key] = value
+    return used
 
 
 # --- Contact geometry and conicity of a rigid wheelset on rigid rails, as ``flangeway geometry`` computes them.
@@ -233,7 +263,7 @@ class ConicityCase(Case):
 
     unit: LengthUnit | None = None
     """unit of both columns; that of the file if left out"""
-    maximum_amplitude_mm: float | None = Field(None, ge=FIRST_MM, le=30.0)
+    maximum_amplitude_mm: float | None = Field(default=None, ge=FIRST_MM, le=30.0)
     """maximum amplitude; as far as the difference is given if left out"""
 
 
@@ -360,40 +390,39 @@ def run_geometry(
     - `notices`: sentences about the inputs, to be shown with those about the results.
     """
     start = time.perf_counter()
-    track, axle = case.track(), case.wheelset()
-    geometry = RigidGeometry.of(track, axle, case.yaw_rad)
+    geometry, scan = case.geometry(), case.scan
     remarks = list(notices)
     progress("finding contact points")
-    reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
-    whole = geometry.scanned(reach, case.step_mm, roll=case.roll == "free")
-    wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
-    shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
+    reach = max(scan.maximum_lateral_mm, scan.maximum_amplitude_mm + _FURTHER_MM)
+    whole = geometry.scanned(reach, scan.step_mm, roll=scan.roll == "free")
+    wanted = math.floor(scan.maximum_lateral_mm / scan.step_mm + 1e-9) * scan.step_mm
+    shown = np.abs(whole.lateral_mm) < wanted + 0.5 * scan.step_mm
     first, last = np.flatnonzero(shown)[[0, -1]]
     locus = whole.part(slice(first, last + 1))
-    if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
-        ends = map(geometry.path_end, SIDES if case.roll == "free" else ())
+    if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * scan.step_mm:
+        ends = map(geometry.path_end, SIDES if scan.roll == "free" else ())
         remarks.append(
-            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of "
+            f"the scan of {scan.maximum_lateral_mm:g} mm stops at lateral displacements of "
             f"{locus.lateral_mm[0]:.2f} and {locus.lateral_mm[-1]:.2f} mm: beyond, "
             f"{'; '.join(dict.fromkeys(ends)) or 'a running surface ends'}"
         )
     progress("locating contact jumps")
-    jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
+    jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if scan.roll == "free" else ()
     progress("integrating the kinematic motion")
-    conicities = conicities_of(RollingRadiusDifference.of(whole), case.maximum_amplitude_mm)
+    conicities = conicities_of(RollingRadiusDifference.of(whole), scan.maximum_amplitude_mm)
     remarks += conicities.notices
     progress("finding the equilibrium under the load")
-    equilibrium = rigid_equilibrium(geometry, case.load())
-    contacts = _loaded_contacts(equilibrium, case, track, axle)
-    remarks += _of_mirror_image(equilibrium, case, track, axle)
-    remarks += [*side_warnings(track), *case.derived(), *profile_notes(track, axle)]
+    equilibrium = rigid_equilibrium(geometry, case.forces)
+    contacts = _loaded_contacts(equilibrium, case)
+    remarks += _of_mirror_image(equilibrium, case)
+    remarks += [*side_warnings(case.track), *derived(case), *profile_notes(case)]
     status, position = equilibrium.status, equilibrium.position
     summary = {
         "case": name,
         "title": _title(name, case),
         "status": {"converged": status.converged, "message": status.message},
         "inputs": case.model_dump(),
-        "track": values(TRACK, track),
+        "track": values(TRACK, case.track),
         "load_lateral_over_vertical": equilibrium.load_ratio,
         "equilibrium": position
         and {
@@ -426,10 +455,10 @@ def run_geometry(
     return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, contacts, summary)
 
 
-def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset) -> list[str]:
+def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase) -> list[str]:
     """Say of a wheelset that stands beside the middle, though both sides are alike, where else it is in equilibrium."""
     position = equilibrium.position
-    alike = track.is_symmetric and axle.is_symmetric and not (case.load().in_track[0] or case.yaw_mrad)
+    alike = case.has_alike_sides and case.forces.is_symmetric and not case.position.yaw_mrad
     if position is None or not alike or abs(position.motion.lateral_mm) < BESIDE_MM:
         return []
     others = (other for other in equilibrium.positions if other is not position)
@@ -439,16 +468,15 @@ def _of_mirror_image(equilibrium: RigidEquilibrium, case: GeometryCase, track: T
     return ["the wheelset stands beside the middle, though both sides are alike: " + ", ".join(texts)]
 
 
-def _loaded_contacts(
-    equilibrium: RigidEquilibrium, case: GeometryCase, track: Track, axle: Wheelset
-) -> tuple[LoadedContact, ...]:
+def _loaded_contacts(equilibrium: RigidEquilibrium, case: GeometryCase) -> tuple[LoadedContact, ...]:
     """Points of contact with Hertz's estimates where the bodies do not conform, see `conforming`."""
-    steel = Elastic(case.young_MPa, case.poisson).plane_modulus
+    steel = case.material.elastic.plane_modulus
     modulus = contact_modulus(steel, steel)
     contacts = []
     for point in equilibrium.position.contacts if equilibrium.position else ():
-        hertz = point.hertz(case.thickness_mm, modulus)
-        bodies = axle.wheel_of(point.side), point.wheel_point_mm, track.rail_of(point.side), point.rail_point_mm
+        hertz = point.hertz(case.contact.thickness_mm, modulus)
+        wheel, rail = case.wheels.wheel_of(point.side), case.track.rail_of(point.side)
+        bodies = wheel, point.wheel_point_mm, rail, point.rail_point_mm
         conforms = hertz is not None and conforming(*bodies, hertz.half_width)
         contacts.append(LoadedContact(point, None if conforms else hertz))
     return tuple(contacts)
@@ -459,6 +487,7 @@ def _title(name: str, case: GeometryCase) -> str:
     if name not in GEOMETRY_CASES:
         return name
     title, changes = GEOMETRY_CASES[name]
-    usual = GeometryCase.from_values(changes).model_dump()
-    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
+    usual = dict(leaves(GeometryCase.from_values(changes).model_dump()))
+    values = leaves(case.model_dump(exclude={"units"}))
+    changed = [f"{key_text(key)} = {value}" for key, value in values if value != usual.get(key)]
     return title + "; changed: " + ", ".join(changed) if changed else title

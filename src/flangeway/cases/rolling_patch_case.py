@@ -17,25 +17,21 @@ from flangeway.cases.patch_quantities import (
     CREEPAGES,
     FIELDS,
     FORCES,
-    FRICTION_KEYS,
     ON_SURFACE,
     POWER,
     SHIFT,
     T_GAMMAS,
     THEORY,
-    THERMAL_KEYS,
     TRACTION,
-    WARM_KEYS,
     Creep,
     CreepResult,
-    FrictionInputs,
 )
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import FAST, WITH_TRACTIONS, Theory
-from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.friction import Friction, FrictionInputs
 from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
@@ -222,11 +218,11 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
     young_MPa: Positive = 210e3
     """Young's modulus"""
-    poisson: float = Field(0.3, ge=0.0, lt=0.5)
+    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
     """Poisson's ratio"""
     upper_young_MPa: Positive | None = None
     """Young's modulus of the upper body (default: young_MPa)"""
-    upper_poisson: float | None = Field(None, ge=0.0, lt=0.5)
+    upper_poisson: float | None = Field(default=None, ge=0.0, lt=0.5)
     """Poisson's ratio of the upper body (default: poisson)"""
     longitudinal_creepage: float = 0.001
     """slip of the upper body on the lower one ahead, divided by the speed"""
@@ -248,17 +244,17 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     """rotation, counter-clockwise from above"""
     friction: NotNegative = 0.3
     """coefficient of friction, 0: without friction"""
-    rolling_theory: Theory = "exact"
+    theory: Theory = "exact"
     """exact theory, fastsim, fastrip, polach or linear theory"""
     curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
     """creepage of the creep curve by all theories; the others are those of the case"""
-    curve_end: float = Field(3.0, gt=0.0, le=1e3)
+    curve_end: float = Field(default=3.0, gt=0.0, le=1e3)
     """its end relative to the creepage at which linear theory reaches the limit of friction"""
-    curve_points: int = Field(25, ge=3, le=1000)
+    curve_points: int = Field(default=25, ge=3, le=1000)
     """number of its points"""
-    cells_along: int = Field(30, ge=4, le=120)
+    cells_along: int = Field(default=30, ge=4, le=120)
     """number of cells along the patch"""
-    cells_across: int = Field(30, ge=4, le=120)
+    cells_across: int = Field(default=30, ge=4, le=120)
     """number of cells across"""
 
     def check(self) -> None:
@@ -283,12 +279,15 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         if self.rolls:
             self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
         else:
-            rolling = (*CREEPAGE_KEYS, "rolling_theory", "friction_decay_m_per_s", *WARM_KEYS, *THERMAL_KEYS)
-            self.refuse_without_effect(rolling, "speed_km_h", "a speed other than 0")
-        if self.rolling_theory != "exact":
-            self.refuse_without_effect(FORCE_KEYS, "rolling_theory", "exact")
+            self.refuse_without_effect((*CREEPAGE_KEYS, "theory", "heat"), "speed_km_h", "a speed other than 0")
+            if self.falling is not None and (self.falling.decay_m_per_s or self.falling.between_C is not None):
+                raise InputError(
+                    "falling with speed_km_h = 0", "falling.kinetic alone: a shift has no speed", "leave the others out"
+                )
+        if self.theory != "exact":
+            self.refuse_without_effect(FORCE_KEYS, "theory", "exact")
         if not self.friction:
-            self.refuse_without_effect([*FORCE_KEYS, *FRICTION_KEYS], "friction", "a coefficient above 0")
+            self.refuse_without_effect([*FORCE_KEYS, "falling", "slope"], "friction", "a coefficient above 0")
         for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")
@@ -303,7 +302,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         progress("rolling")
         along, across = (None if force is None else 1e3 * force for force in self._forces)
         exact = roll(contact, self.motion, force_along=along, force_across=across)
-        forces = exact if self.rolling_theory == "exact" else FAST[self.rolling_theory](contact, self.motion)
+        forces = exact if self.theory == "exact" else FAST[self.theory](contact, self.motion)
         states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
@@ -355,7 +354,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
 
     @cached_property
     def _friction(self) -> Friction:
-        return self.friction_law(self.friction, self.rolling_theory)
+        return self.law(self.friction)
 
     @property
     def _theories(self) -> dict[Theory, Callable[[RollingContact, Creepages], CreepForces]]:

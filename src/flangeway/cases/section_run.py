@@ -58,11 +58,11 @@ class TorsionCase(RunnableCase):
     """layers of a DXF file, shown or not (default: what is visible)"""
     method: Literal["fem", "vem"] = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
-    order: int = Field(2, ge=1, le=6)
+    order: int = Field(default=2, ge=1, le=6)
     """order of the elements; fem up to 3"""
-    size: float | None = Field(None, ge=1e-9, le=1e9)
+    size: float | None = Field(default=None, ge=1e-9, le=1e9)
     """edge length in the section's unit (default: chosen from the section)"""
-    poisson: float | None = Field(None, ge=0.0, le=0.5)
+    poisson: float | None = Field(default=None, ge=0.0, le=0.5)
     """Poisson's ratio for the shear centre (default: Trefftz's shear centre)"""
 
     @property

@@ -177,7 +177,7 @@ class SpatialBodyTable(BodyTable):
     """a point of the axis of a body of revolution (default: a prism)"""
     axis_rotation_deg: float = 0.0
     """angle of the axis from x, counter-clockwise"""
-    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0)
+    yaw_deg: float = Field(default=0.0, ge=-45.0, le=45.0)
     """rotation of the axis about y, from x towards z"""
 
 
@@ -433,7 +433,7 @@ class CraneWheelCase(SpatialPreset):
     """width of the tread and of the rail's head"""
     rim_mm: Positive = 50.0
     """thickness of the rim, and height of the head, that are modelled"""
-    yaw_deg: float = Field(0.0, ge=-5.0, le=5.0)
+    yaw_deg: float = Field(default=0.0, ge=-5.0, le=5.0)
     """skew of the wheel"""
 
     def bodies(self) -> list[dict[str, Any]]:
@@ -497,7 +497,7 @@ class CrossedCylindersCase(SpatialPreset):
     """radius of the lower cylinder, whose axis is z"""
     upper_radius_mm: Positive = 40.0
     """radius of the upper cylinder"""
-    angle_deg: float = Field(90.0, ge=45.0, le=90.0)
+    angle_deg: float = Field(default=90.0, ge=45.0, le=90.0)
     """angle between both axes"""
 
     def bodies(self) -> list[dict[str, Any]]:

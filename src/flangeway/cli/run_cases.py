@@ -86,10 +86,6 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
             str | None,
             typer.Option("--primary", help="Bodies with the primary surface.", **choices("auto", "rail", "wheel")),
         ] = None,
-        crown_radius: Annotated[
-            str | None,
-            typer.Option("--crown-radius", help="Radius of the rail's crown in inches.", **choices("8", "10", "14")),
-        ] = None,
         set_: Set = None,
         out: Out = None,
         *,
@@ -103,7 +99,7 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
             "size_scale": size_scale,
             "primary": primary,
         }
-        inputs = _case(case, set_, **named, crown_radius_in=crown_radius, units=show.units)
+        inputs = _case(case, set_, **named, units=show.units)
         show.units = inputs.units
         return work(case, inputs, out, show)
 

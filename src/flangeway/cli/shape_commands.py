@@ -104,7 +104,6 @@ def geometry(
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
-        inputs.load()
         show.units = show.units or inputs.units
         records.append((inputs, notices))
     many = len(records) > 1

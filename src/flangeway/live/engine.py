@@ -8,19 +8,27 @@ import os
 import shutil
 import tempfile
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from pydantic.fields import FieldInfo
 
-from flangeway.cases.case import grouped
-from flangeway.cases.case_file import FILE_KEYS, MAX_PREPARED, bodies_key, case_content, hash_of, write_case_file
-from flangeway.cases.rigid_run import GeometryCase
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases.case import OF_REPORT
+from flangeway.cases.case_file import (
+    FILE_KEYS,
+    MAX_PREPARED,
+    bodies_key,
+    case_content,
+    hash_of,
+    toml_text,
+    write_case_file,
+)
+from flangeway.cases.wheelset.wheelset_case import Wheelset
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.errors import FlangewayError, InputError, short
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.orientation import ReadOptions
@@ -28,7 +36,7 @@ from flangeway.railway.profiles.profile_file import READABLE, read_profile
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
-from flangeway.records import GivenText
+from flangeway.records import TAG, GivenText, Record, allowed, are_tables, default_text, records_in, with_settings
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import command_line, report_page
@@ -36,7 +44,7 @@ from flangeway.report.wheelset.wheelset_page import below_fields, results_table,
 from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.disk_cache import LatestValues
 from flangeway.types import Floats, Progress, floats
-from flangeway.units import Units, us_unit
+from flangeway.units import Units, us_key, us_unit
 
 T = TypeVar("T")
 
@@ -44,19 +52,25 @@ LATERAL_MM, STEP_MM = 12.0, 0.05
 """Lateral positions of the rigid contact: how far to both sides, and their distance; the page interpolates between."""
 AMPLITUDES_MM = np.arange(0.5, 8.01, 0.25)
 """Amplitudes of the conicity; those beyond the reach of the wheelset are left out."""
-GEOMETRY_KEYS = tuple(
-    name
-    for name in SpatialWheelsetCase.model_fields
-    if name in GeometryCase.model_fields and name not in ("units", "axle_load_kN", "young_MPa", "poisson")
-)
-"""Inputs that the rigid contact depends on."""
 OUTLINE_MM = 0.05
 """Deviation of the drawn outlines from arcs, which is less than a pixel."""
-VARIED = ("units", "lateral_mm")
-LATERAL_POSITIONS = "lateral_mm = { from = -6, to = 6, n = 25 }"
-"""VARIED, LATERAL_POSITIONS: inputs that a saved campaign has not from the page, and the positions that it computes."""
+LATERAL_POSITIONS = "position.lateral_mm = { from = -6, to = 6, n = 25 }"
+"""Positions that a saved campaign computes."""
+GROUPS = {
+    "track": "Track and supports",
+    "wheelset": "Wheels and axle",
+    "load": "Load and curve",
+    "material": "Material",
+    "position": "Position",
+    "rolling": "Rolling and friction",
+    "contact": "Contact",
+    "mesh": "Elements",
+}
+"""Captions of the form by the tables of the inputs."""
 MAX_GEOMETRIES = 12
 """Rigid geometries that are kept; each takes some hundred kilobytes."""
+TABLES = (".csv",)
+"""Endings of tables of friction along the track."""
 MAX_NAME = 200
 """Letters of the name of a dropped file."""
 MAX_FILE_BYTES = 20_000_000
@@ -98,13 +112,16 @@ class LiveEngine:
 
         Also the metric name of each input, and the names and metric values of the other units that the page shows.
         """
-        (_, metric), (_, named) = (SpatialWheelsetCase.tables_of_inputs(units)[0] for units in ("metric", self.units))
-        groups = grouped(metric)
-        shown = {key: (*row, key) for (key, *_), row in zip(metric, named, strict=True)}
+        groups: dict[str, list[tuple[str, ...]]] = {caption: [] for caption in GROUPS.values()}
+        for path, entry in shown_inputs(Wheelset):
+            unit = us_key(path[-1]) if self.units == "us" else None
+            name = ".".join((*path[:-1], unit.name if unit else path[-1]))
+            row = name, default_text(entry, unit), allowed(entry, unit), entry.description or "", ".".join(path)
+            groups[GROUPS[path[0]]].append(row)
         units = {unit: us_unit(unit) for unit in ("mm", "MPa", "N") if self.units == "us"}
         names = {"wheel": [*WHEELS, *REFERENCE_WHEELS], "rail": [*SECTIONS, REFERENCE_RAIL]}
         return {
-            "groups": [(caption, [shown[key] for key, *_ in rows]) for caption, rows in groups.items()],
+            "groups": [*groups.items()],
             "profiles": names,
             "files": list(self.files),
             "units": {unit: (us_unit.name, float(us_unit.metric)) for unit, us_unit in units.items() if us_unit},
@@ -139,23 +156,25 @@ class LiveEngine:
             "surface": _rounded(surface),
         }
 
-    def case(self, inputs: Mapping[str, str]) -> SpatialWheelsetCase:
-        """Return the case of the inputs of the form, texts by key; files by the names that the page has for them."""
-        values: dict[str, Any] = {key: GivenText(text.strip()) for key, text in inputs.items() if text.strip()}
-        if self.units == "us":
-            values["units"] = "us"
-        for key in values.keys() & set(FILE_KEYS):
-            if key == "friction_file" or Path(values[key]).suffix.lower() in READABLE:
-                values[key] = str(self._path(values[key]))
-            elif "/" in values[key] or "\\" in values[key]:
-                raise InputError(f"{key} = {values[key]}", "a bundled profile or a file of this page", "drop the file")
-        return SpatialWheelsetCase.from_values(values)
+    def case(self, inputs: Mapping[str, str]) -> Wheelset:
+        """Return the case of the inputs of the form, texts by path; files by the names that the page has for them."""
+        given: dict[str, Any] = {key: text.strip() for key, text in inputs.items() if text.strip()}
+        for key, text in given.items():
+            if key.rpartition(".")[2] not in FILE_KEYS:
+                given[key] = GivenText(text)
+            elif Path(text).suffix.lower() in (*READABLE, *TABLES):
+                given[key] = str(self._path(text))
+            elif "/" in text or "\\" in text:
+                raise InputError(f"{key} = {text}", "a bundled profile or a file of this page", "drop the file")
+        # a profile stands before the options of its file
+        ordered = {key: given[key] for key in sorted(given, key=lambda key: key.count("."))}
+        return Wheelset.from_values({"units": self.units, **with_settings(Wheelset, {}, ordered)})
 
     def geometry(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return outlines, and rigid contact over the lateral position: points, radii, angles, conicity."""
         case = self.case(inputs)
-        others = type(case).model_fields.keys() - {*GEOMETRY_KEYS}
-        key = hash_of(case_content(case, others))
+        content = case_content(case)
+        key = hash_of([content["track"], content["wheelset"], case.position.yaw_mrad])
         return self._rigid.submit(self._geometries.get, key, lambda: _geometry(case)).result()
 
     def position(self, inputs: Mapping[str, str]) -> dict[str, Any]:
@@ -188,12 +207,13 @@ class LiveEngine:
     def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
         case = self.case(inputs)
-        text, command = write_case_file(case), command_line(case)
+        at_all = case.model_dump(exclude_defaults=True, exclude={"units"})
+        at_all.get("position", {}).pop("lateral_mm", None)
+        campaign = toml_text({"case": case.name, "inputs": at_all}) + f"\n[vary]\n{LATERAL_POSITIONS}\n"
+        texts = {"case": write_case_file(case), "command": command_line(case), "campaign": campaign}
         for name, path in self.files.items():  # beside the files of the user, by their names
-            text, command = text.replace(str(path), name), command.replace(str(path), name)
-        shared = [line for line in text.splitlines() if line.split(" = ")[0] not in ("flangeway", "case", *VARIED)]
-        campaign = "\n".join(('case = "wheelset"', "", "[inputs]", *shared, "", "[vary]", LATERAL_POSITIONS, ""))
-        return {"case": text, "command": command, "campaign": campaign}
+            texts = {what: text.replace(str(path), name) for what, text in texts.items()}
+        return texts
 
     def cancel(self) -> None:
         """Stop what is computed."""
@@ -217,7 +237,7 @@ class LiveEngine:
             progress("")
             return self._positions.submit(work, progress).result()
 
-    def _run(self, case: SpatialWheelsetCase, progress: Progress) -> WheelsetRun:
+    def _run(self, case: Wheelset, progress: Progress) -> WheelsetRun:
         return case.run_on(self._bodies.get(bodies_key(case), lambda: case.prepared(progress)), progress)
 
     def _path(self, name: str) -> Path:
@@ -227,9 +247,22 @@ class LiveEngine:
             raise InputError(f"the file {name}", "files that were given to this page", "drop the file") from reason
 
 
-def _geometry(case: SpatialWheelsetCase) -> dict[str, Any]:
-    track, wheelset = case.track(), case.wheelset()
-    rigid = RigidGeometry.of(track, wheelset, 1e-3 * case.yaw_mrad)
+def shown_inputs(record: type[Record], above: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], FieldInfo]]:
+    """Yield the inputs of the form with their paths: plain ones, and of tables of several kinds the kind as well."""
+    for key, entry in record.described_fields().items():
+        kinds = records_in(entry.annotation) if are_tables(entry.annotation) else []
+        if key not in (TAG, *OF_REPORT) and len(kinds) != 1:
+            yield (*above, key), entry
+        seen: dict[tuple[str, ...], FieldInfo] = {}
+        for kind in kinds:
+            for path, inner in shown_inputs(kind, (*above, key)):
+                if seen.setdefault(path, inner) is inner:
+                    yield path, inner
+
+
+def _geometry(case: Wheelset) -> dict[str, Any]:
+    track, wheelset = case.track, case.wheels
+    rigid = RigidGeometry.of(track, wheelset, case.position.yaw_rad)
     locus = rigid.scanned(LATERAL_MM, STEP_MM)
     lateral = np.round(locus.lateral_mm, 9)
     reach = min(-lateral[0], lateral[-1])

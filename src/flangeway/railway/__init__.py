@@ -3,10 +3,10 @@
 What notebooks and scripts need stands here; all is loaded when it is first used. `flangeway.wheelset` runs the case.
 
 - profiles: bundled ones by `rail` and `wheel`; files by `read_profile` with `ReadOptions`, and `joined` to a body;
-- `Track` and `Wheelset` with their measures, `WheelsetLoad` and `superelevation_angle`;
+- `Track` and `WheelPair` with their measures, `Load`, `Curve` and `Position`;
 - rigid contact: `RigidGeometry`, `rigid_equilibrium`, and `RollingRadiusDifference` with `equivalent_conicity` and
   `conicity_by_regression`;
-- the elastic wheelset in space: `WheelsetProblem`, `SpatialModel`, `RollingMotion`, `solve_spatial` with its
+- the elastic wheelset in space: `WheelsetProblem`, `RollingMotion`, `Mesh`, `solve_spatial` with its
   `SpatialResult`; for many positions of the same bodies `running_surfaces`, `SpatialWheelset` and `solve_position`.
 """
 

@@ -16,8 +16,7 @@ from flangeway.cases.rolling_patch_case import RollingPatchCase, RollingPatchRun
 from flangeway.cases.section_run import SectionRun, TorsionCase
 from flangeway.cases.spatial_case import SpatialCase, SpatialPreset, SpatialRun
 from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError
 from flangeway.report import bodies_page, rolling_patch_page, section_page, spatial_page
 from flangeway.report.bodies_page import stress_figure
@@ -34,8 +33,7 @@ from flangeway.results import Result
 from flangeway.types import Progress
 
 RECORDS: dict[type[Case], Callable[[Any], Report]] = {
-    WheelsetCase: wheelset_page.wheelset_record,
-    SpatialWheelsetCase: wheelset_page.wheelset_record,
+    Wheelset: wheelset_page.wheelset_record,
     BodiesCase: bodies_page.bodies_record,
     SpatialCase: spatial_page.spatial_record,
     SpatialPreset: spatial_page.spatial_record,

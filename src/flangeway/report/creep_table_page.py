@@ -39,12 +39,13 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
     - `command`: makes it again.
     - `files`: functions that write the table's own files, by their names.
     """
-    checks, problem = table.metadata["checks"], request.case.problem()
+    checks, problem = table.metadata["checks"], request.case
     converged, failed = checks["within_tolerance"], checks["not_converged"]
     message = (
         f"error of {checks['claimed_error']:.2%} {'within' if converged else 'above'} the tolerance of "
         f"{checks['tolerance']:.2%}"
     )
+    wheel, rail = problem.wheels.wheel_of("right"), problem.track.rail_of("right")
     jumps, units = checks["jumps"], request.case.units
     axes = [
         (name, str(len(axis)), f"{axis[0]:g}", f"{axis[-1]:g}") for name, axis in zip(AXES, table.axes, strict=True)
@@ -52,8 +53,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
     return Report(
         name="creep-table",
         title="Creep forces of a wheelset",
-        subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; exact theory, for "
-        "multibody programs",
+        subtitle=f"Wheel {wheel.title} on rail {rail.title}; exact theory, for multibody programs",
         converged=converged,
         message=message,
         results=_results(table),

@@ -134,7 +134,7 @@ def _assumptions(inputs: DamageInputs) -> list[str]:
             0,
             f"The bundled collective {inputs.collective} is assumed: its shares, radii and speeds are no measurements.",
         )
-    theories = {state.model.rolling.theory for state in evolution.collective.states if state.model.rolling}
+    theories = {state.problem.rolling.theory for state in evolution.collective.states if state.problem.rolling}
     assumptions += [
         f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
         "Each wheel wears alike around its circumference, each rail alike under all axles.",
@@ -180,7 +180,7 @@ def numbers_over_distance(evolution: Evolution, steps: Sequence[EvolutionStep]) 
         worn = {key: surface.worn for key, surface in step.surfaces.items()}
         problem = evolution.collective.problem_with(states[len(states) // 2], worn)
         try:
-            locus = RigidGeometry.of(problem.track, problem.wheelset, 0.0).locus(lateral)
+            locus = RigidGeometry.of(problem.track, problem.wheels, 0.0).locus(lateral)
             conicity = float(equivalent_conicity(RollingRadiusDifference.of(locus), CONICITY_MM)[0])
         except InputError:
             conicity = float("nan")

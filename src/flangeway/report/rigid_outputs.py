@@ -16,6 +16,7 @@ from flangeway.cases.rigid_run import (
     GeometryRun,
 )
 from flangeway.quantities import Quantities, Quantity, columns, measured, of_part
+from flangeway.railway.profiles.named import name_of
 from flangeway.railway.rigid.rigid_geometry import ContactJump, ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.report.figures.drawing import (
@@ -65,8 +66,8 @@ def locus_figure(run: GeometryRun) -> Figure:
     """Draw wheels over rails with lines between their points of contact, and radii and angles over the displacement."""
     locus, units = run.locus, run.case.units
     figure, (pairs, curves) = panels(9.0, 7.0, 2, 2, units)
-    figure.suptitle(f"Contact locus: {Path(run.case.wheel).name} on {Path(run.case.rail).name}", fontsize=10)
-    whole = np.abs(locus.lateral_mm - np.rint(locus.lateral_mm)) < 0.5 * run.case.step_mm
+    figure.suptitle(f"Contact locus: {name_of(run.case.wheelset.wheel)} on {name_of(run.case.track.rail)}", fontsize=10)
+    whole = np.abs(locus.lateral_mm - np.rint(locus.lateral_mm)) < 0.5 * run.case.scan.step_mm
     _, first = np.unique(np.rint(locus.lateral_mm[whole]), return_index=True)
     shown = locus.part(np.flatnonzero(whole)[first])
     for axes, side in zip(pairs, SIDES, strict=True):
@@ -134,9 +135,9 @@ def pairs_figure(runs: Sequence[GeometryRun]) -> Figure:
     """Draw rolling radius difference and equivalent conicity of several pairs of profiles over each other."""
     figure, ((left, right),) = panels(10.0, 5.0, 1, 2, runs[0].case.units)
     figure.suptitle("Pairs of profiles", fontsize=10)
-    rails = {run.case.rail for run in runs}
+    rails = {name_of(run.case.track.rail) for run in runs}
     for run, colour in zip(runs, sequence_colours(len(runs)), strict=True):
-        names = [run.case.wheel, *([run.case.rail] if len(rails) > 1 else [])]
+        names = [name_of(run.case.wheelset.wheel), *([name_of(run.case.track.rail)] if len(rails) > 1 else [])]
         label = " on ".join(Path(name).name for name in names)
         left.plot(run.locus.lateral_mm, run.locus.rolling_radius_difference_mm, color=colour, lw=1.2, label=label)
         right.plot(run.conicities.amplitudes_mm, run.conicities.integration, color=colour, lw=1.2)
@@ -170,8 +171,8 @@ ASSUMPTIONS = (
 
 _POSITION: Quantities[GeometryRun] = of_part(lambda run: run.equilibrium.position, *POSITION_QUANTITIES)
 PAIR_QUANTITIES: Quantities[GeometryRun] = (
-    Quantity("wheel", "wheel", lambda run: Path(run.case.wheel).name),
-    Quantity("rail", "rail", lambda run: Path(run.case.rail).name),
+    Quantity("wheel", "wheel", lambda run: name_of(run.case.wheelset.wheel)),
+    Quantity("rail", "rail", lambda run: name_of(run.case.track.rail)),
     *CONICITY_QUANTITIES,
     *_POSITION,
     Quantity("jumps", "contact jumps", lambda run: len(run.jumps), form="d"),
@@ -198,7 +199,7 @@ def geometry_record(run: GeometryRun, command: str) -> Report:
     inputs = tuple(input_rows(summary["inputs"], units))
     return Report(
         **_common(summary, command, units, (SUMMARY, TABLE, CONICITY)),
-        subtitle=f"Rigid wheels {run.case.wheel} on rigid rails {run.case.rail}",
+        subtitle=f"Rigid wheels {name_of(run.case.wheelset.wheel)} on rigid rails {name_of(run.case.track.rail)}",
         converged=run.equilibrium.status.converged,
         message=run.equilibrium.status.message,
         facts=[*facts, *_conicity_facts(run)],

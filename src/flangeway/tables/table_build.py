@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_inputs import CURVE_KEYS
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError
+from flangeway.records import entries_of
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
 from flangeway.system.workers import LostWorkerError, computed_here, n_processes
@@ -35,7 +35,7 @@ MAX_PASSES = 4
 REPORT_S = 2.0
 STAGES = {"contact": "positions of contact", "table": "creep forces at positions", "check": "exact at random positions"}
 """What the progress calls the kinds of tasks; how many stages there are is known at the end only."""
-FREE_KEYS = tuple(key for key in SpatialWheelsetCase.position_keys if key not in CURVE_KEYS)
+FREE = ("position", "rolling", "load.axle_load_kN", "load.car")
 """Inputs of a wheelset that the axes of a table replace, and friction and motion, which are free."""
 
 Position = tuple[float, float, float]
@@ -61,7 +61,7 @@ class TableRequest:
 
     """
 
-    case: SpatialWheelsetCase
+    case: Wheelset
     lateral_mm: Sequence[float]
     yaw_mrad: Sequence[float]
     load_kN: Sequence[float]  # noqa: N815
@@ -81,10 +81,11 @@ class TableRequest:
             raise InputError(
                 f"tolerance = {self.tolerance:g}", "a number above 0, up to 1", "0.1 is 10 % of the limit of friction"
             )
-        given = [key for key in FREE_KEYS if key in self.case.model_fields_set]
-        if self.case.model != "spatial" or given:
+        changed = [entry.name for entry in entries_of(self.case) if not entry.is_default]
+        given = [name for name in changed if name.startswith(FREE)]
+        if self.case.contact.kind != "spatial" or given:
             raise InputError(
-                f"a table of a case with {', '.join(given) or 'model = plane'}",
+                f"a table of a case with {', '.join(given) or 'contact.kind = plane'}",
                 "a wheelset in three dimensions; position and load are the table's axes, friction and motion free",
                 "leave it out",
             )
@@ -143,8 +144,7 @@ class _Build:
 
     def __post_init__(self) -> None:
         self.lateral = [float(value) for value in self.request.lateral_mm]
-        problem, forces = self.request.case.problem(), self.request.case.model_fields_set & set(CURVE_KEYS)
-        self.symmetric = problem.track.is_symmetric and problem.wheelset.is_symmetric and not forces
+        self.symmetric = self.request.case.is_symmetric
 
     def table(self) -> CreepTable:
         """All of it."""
@@ -382,7 +382,9 @@ class _Build:
         }
 
     def _metadata(self) -> dict[str, Any]:
-        inputs = self.request.case.model_dump(mode="json", exclude_none=True, exclude=set(FREE_KEYS))
+        inputs = self.request.case.model_dump(
+            mode="json", exclude_none=True, exclude={"position": True, "rolling": True, "load": {"axle_load_kN", "car"}}
+        )
         return {"format": FORMAT, "versions": versions(), "case": inputs}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
@@ -42,7 +42,7 @@ class PositionTask:
     - `near`: what a ``table`` of a position nearby has, whose forces beyond FASTSIM's are similar.
     """
 
-    case: SpatialWheelsetCase
+    case: Wheelset
     position: tuple[float, float, float]
     kind: str = "contact"
     tolerance: float = 1.0
@@ -50,11 +50,10 @@ class PositionTask:
     near: Arrays | None = None
 
     @property
-    def own_case(self) -> SpatialWheelsetCase:
+    def own_case(self) -> Wheelset:
         """The case at this position."""
         lateral, yaw, load = self.position
-        values = {"lateral_mm": lateral, "yaw_mrad": yaw, "axle_load_kN": load}
-        return SpatialWheelsetCase.from_values({**self.case.model_dump(exclude_unset=True), **values})
+        return self.case.replaced(position={"lateral_mm": lateral, "yaw_mrad": yaw}, load={"axle_load_kN": load})
 
 
 def compute_position(task: PositionTask) -> Arrays:
@@ -74,7 +73,8 @@ def compute_position(task: PositionTask) -> Arrays:
 
 @lru_cache(maxsize=1)
 def _prepared(bodies: str) -> SpatialWheelset:
-    prepared: SpatialWheelset = SpatialWheelsetCase.model_validate_json(bodies).prepared()
+    prepared = Wheelset.model_validate_json(bodies).prepared()
+    assert isinstance(prepared, SpatialWheelset)
     return prepared
 
 
@@ -82,7 +82,7 @@ def _computed(task: PositionTask) -> Arrays:
     result = task.own_case.run_on(_prepared(task.case.model_dump_json())).space
     if not result.status.converged:
         raise _refused(task, result.status)
-    axle = np.append(result.equilibrium.position.axle(result.problem.wheelset), 0.0)
+    axle = np.append(result.equilibrium.position.axle(result.problem.wheels), 0.0)
     patches = sorted(result.patches, key=lambda patch: (SIDES.index(patch.side), -patch.rail_point_mm[0]))
     checks = task.kind == "check"
     friction = float(_random(task).uniform(*CHECKED_FRICTIONS)) if checks else FRICTION

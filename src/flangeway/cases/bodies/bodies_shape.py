@@ -105,7 +105,7 @@ class DiscTable(Record):
     """centre of the circle"""
     half: Literal["upper", "lower"] | None = None
     """the half above or below the centre alone"""
-    arc_deg: float | None = Field(None, gt=0.0, lt=180.0)
+    arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
     """angle of the side arc about the apex of a half (default: none, all is rim)"""
 
 
@@ -127,7 +127,7 @@ class MaterialTable(Record):
 
     young_MPa: Positive = 210e3
     """Young's modulus"""
-    poisson: float = Field(0.3, gt=-1.0, le=0.5)
+    poisson: float = Field(default=0.3, gt=-1.0, le=0.5)
     """Poisson's ratio; 0.5 in plane stress only"""
     density_kg_m3: Positive | None = None
     """density, for gravity_m_s2"""
@@ -252,11 +252,11 @@ class MotionTable(Record):
 
     body: str
     """name of the body"""
-    leg: int = Field(1, ge=1, le=100)
+    leg: int = Field(default=1, ge=1, le=100)
     """leg of the path: motions of 2 follow those of 1; forces act from 1 on"""
     shift_mm: Pair = (0.0, 0.0)
     """shift of the body's supports"""
-    rotation_deg: float = Field(0.0, ge=-90.0, le=90.0)
+    rotation_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
     """rotation of the supports, counter-clockwise"""
     centre_mm: Pair = (0.0, 0.0)
     """centre of this rotation"""
@@ -287,7 +287,7 @@ class ContactTable(Record):
     pairing: Pairing = "segment-to-segment"
     enforcement: EnforcementName = "augmented-lagrange"
     """constraint enforcement"""
-    friction: float = Field(0.0, ge=0.0, le=10.0)
+    friction: float = Field(default=0.0, ge=0.0, le=10.0)
     """coefficient of Coulomb's friction"""
     barrier_N_per_mm: Positive | None = None
     """pressure times gap of a barrier, needed for it"""
@@ -305,7 +305,7 @@ class ContactTable(Record):
 class StepsTable(Record):
     """How loads and motions are applied."""
 
-    number: int | None = Field(None, ge=1, le=1000)
+    number: int | None = Field(default=None, ge=1, le=1000)
     """number of equal steps of each leg; a step that does not converge is halved (default: 1, and with friction as
     many as the error of the steps needs)"""
 

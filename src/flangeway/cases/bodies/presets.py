@@ -149,7 +149,7 @@ class HertzCase(PresetCase, BodiesCase):
     pairing: Pairing = "segment-to-segment"
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "augmented-lagrange"
     """constraint enforcement"""
-    fine_arc_deg: float | None = Field(None, gt=0.0, lt=180.0)
+    fine_arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
     """angle of the fine arc of both discs about the contact (default: its zone)"""
     halved_edges: bool = False
     """whether the edges of the fine arcs are halved, see halved_side"""
@@ -159,7 +159,7 @@ class HertzCase(PresetCase, BodiesCase):
     slack: Slack = NodeToSegment.slack
     curved: bool = True
     """whether gaps are measured between the circles, not between straight edges"""
-    n_steps: int = Field(1, ge=1, le=1000)
+    n_steps: int = Field(default=1, ge=1, le=1000)
     """number of equal load steps"""
 
     def theory_of(self, run: BodiesRun) -> LineContact | None:
@@ -345,7 +345,7 @@ class ContactPatchCase(PresetCase, BodiesCase):
     penetration_mm: Positive = 1e-5
     """tolerated penetration of augmented-lagrange"""
     weighting: Weighting = "standard"
-    rotation_deg: float = Field(0.0, ge=-90.0, le=90.0)
+    rotation_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
     """rotation of everything, counter-clockwise"""
 
     def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
@@ -534,9 +534,9 @@ class CookCase(BodiesCase):
 
     method: Literal["fem", "vem", "mixed"] = "vem"
     """fem: triangles; vem: polygons; mixed: triangles inside, virtual quadrilaterals on the rim"""
-    level: int = Field(3, ge=1, le=MAX_LEVEL)
+    level: int = Field(default=3, ge=1, le=MAX_LEVEL)
     """refinement: each cuts the triangles before in four"""
-    order: int = Field(2, ge=1, le=4)
+    order: int = Field(default=2, ge=1, le=4)
     """order of the elements; fem up to 3"""
     poisson: PoissonRatio = PUBLISHED_POISSON
     """Poisson's ratio; 0.4999 shows locking"""

@@ -1,357 +1,231 @@
-"""The cases of an elastic wheelset on two rails in the plane, and what a run of any wheelset found."""
+"""The case of a wheelset on two rails."""
 
-# ruff: noqa: N815 (units in names)
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Literal
-
-from pydantic import Field
+from typing import Any
 
 from flangeway.cases.case import RunnableCase
-from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs, profile_notes, side_warnings
+from flangeway.cases.wheelset.wheelset_notes import derived, profile_notes
 from flangeway.cases.wheelset.wheelset_quantities import (
-    HEAD,
-    LOAD,
-    MESH,
-    NADAL,
-    PATCH,
-    PLANE_PATCH,
-    POSITION,
-    RESIDUAL,
-    ROLLING,
-    TRACK,
-    WHEEL,
-    AnyPatch,
-    AnyResult,
-    PatchResult,
-    PlanePatchResult,
+    MOTION,
+    PLANE_PATCH_ROW,
+    PLANE_ROW,
+    ROLLING_PATCH_ROW,
+    ROLLING_ROW,
+    SPATIAL_PATCH_ROW,
+    SPATIAL_ROW,
     WheelResult,
-    patch_name,
+    row_columns,
 )
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
+from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, values
-from flangeway.railway.track.placements import SIDES, GaugeAt
-from flangeway.railway.track.wheelset_problem import (
-    Choice,
-    Discretisation,
-    EnforcementName,
-    Method,
-    PairingName,
-    Prescribed,
-    WheelsetLoad,
-    WheelsetProblem,
-)
-from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
-from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.quantities import Quantity, column_names, numbers
+from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.supports import Continuous, Fixed, RigidAxle, RimSection, Sleepers
+from flangeway.railway.track.wheelset_problem import Plane, WheelsetProblem
+from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, solve_condensed, solve_wheelset
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position, solve_spatial
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
-from flangeway.records import ElementOrder, Fraction, PoissonRatio, Positive, SolidModulus
-from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Progress
 
-# --- What a run of a wheelset found, in three dimensions or in the plane: results, ``summary.json``, rows of campaigns.
+# --- The case.
 
 
-@dataclass(frozen=True, eq=False)
-class WheelsetRun(RunResult):
-    """A case of a wheelset and what came out of it.
-
-    Parameters
-    ----------
-    case
-        The inputs.
-    result
-        The solution.
-    total_s
-        Wall-clock time of the computation in seconds.
-
-    """
-
-    main_table = "patches"
-
-    case: "WheelsetInputs"
-    result: AnyResult
-    total_s: float
-
-    @property
-    def status(self) -> Status:
-        """How it ended."""
-        return self.result.status
-
-    @property
-    def timings_s(self) -> dict[str, float]:
-        """Seconds by stage."""
-        return {name.replace("-", "_"): s for name, s in self.result.timings_s.items()} | {"total": self.total_s}
-
-    @property
-    def problem(self) -> WheelsetProblem:
-        """Wheelset, track and load."""
-        return self.result.problem
-
-    @property
-    def in_space(self) -> SpatialResult | None:
-        """The solution in three dimensions; None of a plane wheelset."""
-        return self.result if isinstance(self.result, SpatialResult) else None
-
-    @property
-    def space(self) -> SpatialResult:
-        """The solution of a wheelset in three dimensions."""
-        assert isinstance(self.result, SpatialResult)
-        return self.result
-
-    @property
-    def plane(self) -> WheelsetResult:
-        """The solution of a plane wheelset."""
-        assert isinstance(self.result, WheelsetResult)
-        return self.result
-
-    @cached_property
-    def patches(self) -> list[AnyPatch]:
-        """The contact patches, left side first."""
-        result = self.result
-        if isinstance(result, WheelsetResult):
-            return [PlanePatchResult(result, patch) for patch in result.patches]
-        return [PatchResult(result, patch) for patch in result.patches]
-
-    @property
-    def spatial_patches(self) -> list[PatchResult]:
-        """The patches of a wheelset in three dimensions."""
-        return [patch for patch in self.patches if isinstance(patch, PatchResult)]
-
-    @cached_property
-    def wheels(self) -> list[WheelResult]:
-        """The left and the right wheel."""
-        return [
-            WheelResult(self.result, side, [patch for patch in self.patches if patch.patch.side == side])
-            for side in SIDES
-        ]
-
-    @property
-    def patch_names(self) -> list[str]:
-        """Names of the patches."""
-        return [patch_name(patch) for patch in self.result.patches]
-
-    @property
-    def patch_quantities(self) -> Sequence[Quantity[Any]]:
-        """Numbers of its patches."""
-        return PLANE_PATCH if self.in_space is None else PATCH
-
-    @property
-    def wheel_quantities(self) -> Sequence[Quantity[WheelResult]]:
-        """Numbers of its wheels."""
-        space = self.in_space
-        return WHEEL if space is None else (*WHEEL, *HEAD, *(NADAL if space.rolling else ()))
-
-    @property
-    def warnings(self) -> list[str]:
-        """What limits the results."""
-        return [*self.case.warnings(), *self.result.warnings, *side_warnings(self.problem.track)]
-
-    def parts(self) -> dict[str, Any]:
-        """See `RunResult.parts`."""
-        result, space = self.result, self.in_space
-        content: dict[str, Any] = {
-            "position": values(POSITION, result),
-            "track": values(TRACK, self.problem.track),
-            "load": values(LOAD, self.problem.load),
-            "residual": values(RESIDUAL, result.equilibrium.residuals),
-            "sides": [{"side": wheel.side, **values(self.wheel_quantities, wheel)} for wheel in self.wheels],
-            "patches": [values(self.patch_quantities, patch) for patch in self.patches],
-        }
-        if space is not None:
-            content["rolling"] = values(ROLLING, space) if space.rolling else None
-        elif isinstance(result, WheelsetResult):
-            content["bodies"] = [values(MESH, body) for body in result.model.bodies]
-        return content | {"assumptions": self.case.assumptions(result), "warnings": self.warnings}
-
-
-# --- The cases of an elastic wheelset on two rails: standing on tangent track, and in a curve.
-
-
+HERTZ = (
+    "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
+    f"more than {100.0 * MAX_PARABOLOID_DISTANCE:g} % of its height."
+)
 CONFORMING = (
     "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
     "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
 )
-
-
+THEORIES: dict[Theory, str] = {
+    "exact": "the exact theory on the bodies",
+    "fastsim": "FASTSIM",
+    "fastrip": "FaStrip",
+    "polach": "Polach's formula",
+    "linear": "linear theory",
+}
 MIN_TOGETHER = 12
 """Positions of the same plane bodies from which on these are prepared for many positions."""
 
 
-class WheelsetCase(WheelsetInputs, RunnableCase):
-    """A wheelset on two rails (Moherdaui 2021, 7.2.1); subclasses are situations with defaults of their own."""
+class Wheelset(WheelsetProblem, RunnableCase):
+    """A wheelset on two rails: the tree of its inputs is the case file, and what the solver takes."""
 
+    name = "wheelset"
+    title = "A wheelset on two rails"
     essential = (
-        *("rail", "wheel", "gauge_mm", "wheel_radius_mm", "axle_load_kN"),
-        *("method", "order", "size_scale"),
+        *("track.rail", "track.gauge_mm", "track.inclination", "wheelset.wheel", "wheelset.radius_mm"),
+        *("load.axle_load_kN", "position.yaw_mrad"),
     )
-
-    gauge_at: GaugeAt = "narrowest"
-    """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads; narrowest:
-    closest points at any depth, as in Moherdaui (2021)"""
-    lateral_mm: float | None = None
-    """prescribed lateral position of the axle's middle in the track's axes (default: computed)"""
-    vertical_mm: float | None = None
-    """prescribed vertical position (default: computed)"""
-    roll_rad: float | None = None
-    """prescribed roll, counter-clockwise (default: computed)"""
-    wheel_young_MPa: SolidModulus | None = None
-    """Young's modulus of the wheels (default: young_MPa)"""
-    wheel_poisson: PoissonRatio | None = None
-    """Poisson's ratio of the wheels (default: poisson)"""
-    rail_young_MPa: SolidModulus | None = None
-    """Young's modulus of the rails (default: young_MPa)"""
-    rail_poisson: PoissonRatio | None = None
-    """Poisson's ratio of the rails (default: poisson)"""
-    yield_MPa: Positive | None = None
-    """yield strength, for a warning (default: 510 MPa, rail steel)"""
-    method: Method = Discretisation.method
-    """fem is triangles, vem is polygons with virtual elements"""
-    order: ElementOrder = Discretisation.order
-    """order of the elements: FO2 is fem of order 2"""
-    wheel_method: Method | None = None
-    """method of the wheels (default: method)"""
-    rail_method: Method | None = None
-    """method of the rails (default: method)"""
-    wheel_order: ElementOrder | None = None
-    """order of the elements of the wheels (default: order)"""
-    rail_order: ElementOrder | None = None
-    """order of the elements of the rails (default: order)"""
-    size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0)
-    """factor on all element sizes"""
-    contact_size_mm: Positive = Discretisation.contact_size_mm
-    """element size in contact, doubled for order 2"""
-    wheel_contact_size_mm: Positive | None = None
-    """element size of the wheels in contact (default: contact_size_mm)"""
-    rail_contact_size_mm: Positive | None = None
-    """element size of the rails in contact (default: contact_size_mm)"""
-    body_size_mm: Positive = Discretisation.body_size_mm
-    """element size elsewhere, doubled for order 2"""
-    growth: Fraction = Discretisation.growth
-    """growth of the element size per distance"""
-    pairing: PairingName = Discretisation.pairing
-    """contact discretisation"""
-    enforcement: EnforcementName = Discretisation.enforcement
-    """constraint enforcement"""
-    penalty_factor: Positive = Discretisation.penalty_factor
-    """penalty (pressure per penetration) relative to the contact modulus per mm"""
-    nodal_penalty_N_per_mm: Positive | None = None
-    """penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)"""
-    penetration_mm: Positive = Discretisation.penetration_mm
-    """tolerated penetration of augmented-lagrange"""
-    primary: Choice = Discretisation.primary
-    """primary surface; auto: chosen, and the reason is reported"""
+    position_keys = ("position", "load", "rolling")
 
     def check(self) -> None:
-        """See `RunnableCase.check`."""
-        self.problem()
+        """See `RunnableCase.check`: profiles are read, and wheels fit their rails."""
+        _ = self.wheels
+        for side in SIDES:
+            self.track.gauge_point(side)
+        if self.rolling is not None:
+            _ = self.friction
+
+    def check_position(self) -> None:
+        """See `RunnableCase.check_position`: all of it was checked when the record was made."""
 
     def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         start = time.perf_counter()
-        result = solve_wheelset(self.problem(), progress, cold=cold)
-        return WheelsetRun(self, result, time.perf_counter() - start)
+        solve = solve_wheelset if isinstance(self.contact, Plane) else solve_spatial
+        return WheelsetRun(self, solve(self, progress=progress, cold=cold), time.perf_counter() - start)
+
+    solve = run
 
     @property
     def min_together(self) -> int:
-        """See `RunnableCase.min_together`: bodies for many positions are finer, and condensed whole."""
-        return MIN_TOGETHER
+        """See `RunnableCase.min_together`: in three dimensions the bodies are most of the work of one position too."""
+        return MIN_TOGETHER if isinstance(self.contact, Plane) else 1
 
-    def prepared(self, progress: Progress = lambda _: None) -> PlaneWheelset:  # noqa: ARG002 (short)
+    def prepared(self, progress: Progress = lambda _: None) -> PlaneWheelset | SpatialWheelset:
         """See `RunnableCase.prepared`."""
-        problem, cache = self.problem(), Cache.of_user()
+        cache = Cache.of_user()
+        if not isinstance(self.contact, Plane):
+            return SpatialWheelset(self, running_surfaces(self, cache=cache, progress=progress))
         # in the middle of level track, which rigid wheels can always reach
-        middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
+        middle = WheelsetProblem(
+            track=self.track, wheelset=self.wheelset, material=self.material, contact=self.contact, mesh=self.mesh,
+            load=self.load.replaced(lateral_force_kN=0.0, superelevation_mm=0.0, offset_mm=0.0, curve=None),
+        )  # fmt: skip
         return PlaneWheelset.of(build_model(middle, whole=True, cache=cache), cache=cache)
 
-    def run_on(self, bodies: PlaneWheelset, progress: Progress = lambda _: None) -> WheelsetRun:
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> WheelsetRun:
         """See `RunnableCase.run_on`."""
-        start = time.perf_counter()
-        result = solve_condensed(bodies.at(self.problem()), progress)
+        start, placed = time.perf_counter(), bodies.at(self)
+        plane = isinstance(self.contact, Plane)
+        result = solve_condensed(placed, progress) if plane else solve_position(placed, {}, progress)
         return WheelsetRun(self, result, time.perf_counter() - start)
 
-    def assumptions(self, result: WheelsetResult) -> list[str]:
-        """See `WheelsetInputs.assumptions`."""
-        problem = result.model.problem
-        wheelset, track = problem.wheelset, problem.track
-        role, reason = problem.primary
-        materials = {"wheels": problem.material_of("wheel"), "rails": problem.material_of("rail")}
+    # --- Rows of campaigns.
+
+    @property
+    def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
+        """Numbers of a wheel in a row of a campaign."""
+        spatial = ROLLING_ROW if self.friction else SPATIAL_ROW
+        return PLANE_ROW if isinstance(self.contact, Plane) else spatial
+
+    @property
+    def patch_row_quantities(self) -> Sequence[Quantity[Any]]:
+        """Numbers of a patch in the table of patches of a campaign."""
+        spatial = ROLLING_PATCH_ROW if self.friction else SPATIAL_PATCH_ROW
+        return PLANE_PATCH_ROW if isinstance(self.contact, Plane) else spatial
+
+    def columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.columns`."""
+        return row_columns(self.row_quantities)
+
+    def patch_columns(self) -> tuple[str, ...]:
+        """See `RunnableCase.patch_columns`."""
+        return tuple(column_names(self.patch_row_quantities))
+
+    def row(self, run: Any) -> dict[str, Any]:
+        """See `RunnableCase.row`: position, and of each side the sums over its patches, and the most loaded one."""
+        wheels = [number for result in run.wheels for number in numbers(self.row_quantities, result)]
+        return dict(zip(self.columns(), [*numbers(MOTION, run.result), *wheels], strict=True))
+
+    def patch_rows(self, run: Any) -> list[dict[str, Any]]:
+        """See `RunnableCase.patch_rows`: on each side from the field to the gauge."""
+        rows = []
+        for result in run.wheels:
+            ordered = sorted(result.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
+            for number, patch in enumerate(ordered, 1):
+                row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
+                rows.append({"side": result.side, "number": number} | row)
+        return rows
+
+    def warnings_of(self, run: Any) -> list[str]:
+        """See `RunnableCase.warnings_of`."""
+        return list(run.warnings)
+
+    # --- What a solution rests on, in sentences.
+
+    def assumptions(self, result: Any) -> list[str]:
+        """Return in sentences what a solution rests on."""
+        sentences = self._of_slice(result) if isinstance(self.contact, Plane) else self._of_space(result)
+        return [*sentences[:2], *derived(self), *profile_notes(self), *sentences[2:]]
+
+    def _of_slice(self, result: Any) -> list[str]:
+        """Sentences on a plane wheelset."""
+        thickness, (role, reason) = self.plane.thickness_mm, self.primary
+        materials = {"wheels": self.material_of("wheel"), "rails": self.material_of("rail")}
         if materials["wheels"] == materials["rails"]:
-            materials = {"steel": problem.material}
+            materials = {"steel": materials["wheels"]}
         return [
             "Plane strain: the bodies do not stretch in the direction of the track.",
-            "Stresses in web, fillets and foot, the displacement of the rail's head and the approach are those of a "
-            f"prism of {self.thickness_mm:g} mm that carries the whole load alone: compare them between runs, not with "
-            "a rail in track.",
-            f"Thickness {self.thickness_mm:g} mm: this length of wheel and rail carries the whole load.",
-            *self.derived(),
-            *profile_notes(track, wheelset),
-            *(
-                (
-                    f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
-                    f"{material.poisson:g}; plasticity is not modelled."
-                )
-                for name, material in materials.items()
-            ),
+            f"Thickness {thickness:g} mm: this length of wheel and rail carries the whole load.",
+            *(_elastic_words(name, material) for name, material in materials.items()),
             "Contact without friction.",
             *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
             f"The {role}s are the primary surface: {reason}.",
             "The rails are fixed along their whole base.",
             "The wheels' cuts and the axle are rigid; the load acts at the car's centre of gravity and stays vertical"
-            + (", its lateral force horizontal." if problem.load.lateral_N else "."),
-            *(
-                ["The left side is the mirror image of the right side, mesh included."]
-                if wheelset.is_symmetric and track.is_symmetric
-                else []
-            ),
+            + (", its lateral force horizontal." if self.forces.lateral_N else "."),
+            *(["The left side is the mirror image of the right side, mesh included."] if self.has_alike_sides else []),
         ]
 
-    def problem(self) -> WheelsetProblem:
-        """Return the problem to solve.
+    def _of_space(self, result: SpatialResult) -> list[str]:
+        """Sentences on a wheelset in three dimensions."""
+        return [
+            "Three dimensions: each rail is a prism; gaps are computed for true bodies of revolution.",
+            self._friction_words(),
+            _elastic_words("steel", self.material.elastic),
+            "Stresses below the patches are those of a half-space under the tractions of all cells.",
+            *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
+            *self._supports(),
+            "The load acts at the car's centre of gravity and stays vertical.",
+        ]
 
-        It is an `InputError` if a profile is unknown, a number is not allowed, or inputs contradict each other.
-        """
-        return WheelsetProblem(
-            self.track(),
-            self.wheelset(),
-            self.load(),
-            Elastic(self.young_MPa, self.poisson),
-            self.thickness_mm,
-            self._discretisation(),
-            self._material(self.wheel_young_MPa, self.wheel_poisson),
-            self._material(self.rail_young_MPa, self.rail_poisson),
-            Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad),
-            yield_MPa=self.yield_MPa,
+    def _friction_words(self) -> str:
+        rolling, curve = self.friction, self.load.curve
+        if rolling is None:
+            return "Contact without friction: L/V leaves out creep forces."
+        where = f"{3.6 * self.speed_m_s:g} km/h" + (f", {curve.radius_m:g} m" if curve else "")
+        coefficients = " and ".join(dict.fromkeys(f"{self.friction_of(side):g}" for side in SIDES))
+        theory = THEORIES[rolling.theory]
+        return f"Steady rolling at {where} with a coefficient of friction of {coefficients}; creep forces by {theory}."
+
+    def _supports(self) -> list[str]:
+        """Sentences on track, wheels and axle."""
+        supports = dict.fromkeys(self.track.support_of(side) for side in SIDES)
+        wheel = (
+            "Only the rims of the wheels are modelled, clamped at their inner faces."
+            if isinstance(self.wheelset.section, RimSection)
+            else "The wheels have an assumed web and hub, and are held at the bore; sections drawn and saved "
+            "are of the rims alone, clamped at their inner faces: web and hub count in the compliance only."
         )
-
-    def _material(self, young: float | None, poisson: float | None) -> Elastic | None:
-        if young is None and poisson is None:
-            return None
-        return Elastic(self.young_MPa if young is None else young, self.poisson if poisson is None else poisson)
-
-    def _discretisation(self) -> Discretisation:
-        shared = Discretisation.__dataclass_fields__.keys() & type(self).model_fields.keys()
-        return Discretisation(**{name: getattr(self, name) for name in shared})
+        rigid = isinstance(self.wheelset.axle, RigidAxle)
+        axle = "The axle is rigid." if rigid else "Axle bending: AAR class F axle, loaded at its journals."
+        return [*(_support_words(support) for support in supports), wheel, axle]
 
 
-class WheelsetTangentCase(WheelsetCase):
-    """A wheelset on two rails under the weight of the car (Moherdaui 2021, 7.2.1, Figure 90a)."""
+def _elastic_words(name: str, material: Elastic) -> str:
+    return (
+        f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
+        f"{material.poisson:g}; plasticity is not modelled."
+    )
 
-    name = "wheelset-tangent"
-    title = "A wheelset on two rails of straight, level track"
 
-
-class WheelsetCurveCase(WheelsetCase):
-    """A wheelset in a curve to the left, radius 400 m at 70 km/h, superelevation 3 cm (Moherdaui 2021, Figure 90b)."""
-
-    name = "wheelset-curve"
-    title = "A wheelset in a curve, pressed against the outer rail"
-
-    lateral_force_kN: float = 28.4
-    """horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h"""
-    superelevation_mm: float | Literal["from-speed"] = 30.0
-    """height of the right rail over the left one (default: that of the outer rail); from-speed: equilibrium
-    superelevation of speed and radius"""
+def _support_words(support: Sleepers | Continuous | Fixed) -> str:
+    if isinstance(support, Fixed):
+        return "The rails are fixed along their whole base."
+    seat = (
+        f"{support.vertical_kN_per_mm:g} kN/mm vertical, {support.lateral_kN_per_mm:g} kN/mm lateral and "
+        f"{support.roll_kNm_per_rad:g} kN m/rad in roll every {support.spacing_mm:g} mm"
+    )
+    if isinstance(support, Continuous):
+        return f"Each rail on a continuous foundation, {seat}."
+    seats = f"{support.position:g} of the spacing from" if support.position else "over"
+    return f"Each rail on sleepers, {seat}; the wheelset is {seats} a sleeper."

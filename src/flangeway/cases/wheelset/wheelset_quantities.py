@@ -29,8 +29,9 @@ from flangeway.exact import PointContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, of_part
+from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track
-from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetLoad
+from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 from flangeway.railway.wheelset.plane_wheelset import (
     SEARCHED_FRACTION,
@@ -569,8 +570,8 @@ def row_columns(quantities: Sequence[Quantity[WheelResult]]) -> tuple[str, ...]:
 
 
 def _frequency(result: SpatialResult) -> float | None:
-    length, motion = result.kinematic_wavelength_mm, result.wheelset.model.rolling
-    return None if length is None or motion is None else 1e3 * motion.speed_m_s / length
+    length, rolling = result.kinematic_wavelength_mm, result.problem.friction
+    return None if length is None or rolling is None else 1e3 * result.problem.speed_m_s / length
 
 
 def _rolled(result: SpatialResult) -> RolledWheelset | None:

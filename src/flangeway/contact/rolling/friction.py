@@ -1,13 +1,17 @@
 """Coulomb's friction, constant or falling with the slip velocity or the flash temperature."""
 
-from dataclasses import dataclass, field, fields, replace
-from typing import NamedTuple
+# ruff: noqa: N815 (units in names)
+from dataclasses import dataclass, field, replace
+from typing import Annotated, NamedTuple
 
+import annotated_types as at
 import numpy as np
+from pydantic import Field, model_validator
 from scipy.special import lambertw
 
-from flangeway.checks import are_finite, as_numbers, check_finite, check_positive
+from flangeway.checks import are_finite, as_numbers, check_finite
 from flangeway.errors import InputError
+from flangeway.records import Fraction, NotNegative, Pair, Positive, Record, refused_by_check
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats
 
@@ -28,37 +32,22 @@ UNITS = 1e6 * np.sqrt(1e-3)
 """W/m² over N/mm² m/s, and the root of m over mm."""
 
 
-@dataclass(frozen=True)
-class Heat:
-    """Thermal properties of a body; without numbers those of rail steel (Ertz and Knothe, 2002, at 20 degrees).
+class Heat(Record):
+    """Thermal properties of a body; by default those of rail steel (Ertz and Knothe, 2002, at 20 degrees)."""
 
-    Parameters
-    ----------
-    temperature
-        Of the body away from the contact, degrees Celsius.
-    conductivity
-        W/(m K), > 0.
-    density
-        kg/m³, > 0.
-    capacity
-        Specific heat capacity, J/(kg K), > 0.
-
-    """
-
-    temperature: float = 20.0
-    conductivity: float = 50.0
-    density: float = 7850.0
-    capacity: float = 450.0
-
-    def __post_init__(self) -> None:
-        check_finite("Heat", "temperature", self.temperature)
-        for one in fields(self)[1:]:
-            check_positive("Heat", one.name, getattr(self, one.name))
+    temperature_C: float = 20.0
+    """temperature of the body away from the contact, degrees Celsius"""
+    conductivity_W_per_m_K: Positive = 50.0
+    """thermal conductivity"""
+    density_kg_m3: Positive = 7850.0
+    """density"""
+    capacity_J_per_kg_K: Positive = 450.0
+    """specific heat capacity"""
 
     @property
     def effusivity(self) -> float:
         """Root of conductivity, density and capacity, W s^(1/2) / (m² K)."""
-        return float(np.sqrt(self.conductivity * self.density * self.capacity))
+        return float(np.sqrt(self.conductivity_W_per_m_K * self.density_kg_m3 * self.capacity_J_per_kg_K))
 
 
 @dataclass(frozen=True)
@@ -80,8 +69,8 @@ class Heating:
 
     """
 
-    first: Heat = Heat()
-    second: Heat = Heat()
+    first: Heat = field(default_factory=Heat)
+    second: Heat = field(default_factory=Heat)
     falls: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
@@ -96,7 +85,7 @@ class Heating:
     def temperature(self) -> float:
         """Temperature of the contact without friction: that at which two bodies meet."""
         parts = self.first.effusivity, self.second.effusivity
-        return (parts[0] * self.first.temperature + parts[1] * self.second.temperature) / sum(parts)
+        return (parts[0] * self.first.temperature_C + parts[1] * self.second.temperature_C) / sum(parts)
 
     def warming(self, ahead: Floats, speed: float) -> Floats:
         """Temperature rise over power density, K over N/mm² m/s, of sources that begin and end ahead.
@@ -130,40 +119,73 @@ NOTICE_ABOVE = 1.0
 """Coefficient above which a notice is given."""
 
 
-@dataclass(frozen=True)
-class SlopeReduction:
+class SlopeReduction(Record):
     """Factor k by which layers on the surfaces lower the initial slope of creep forces: compliance in shear is 1/k.
 
     ``k = initial (remaining + (1 - remaining) / (1 + rate epsilon))`` with the gradient epsilon of the tractions where
     surfaces stick, ``initial pi G a b c s / (4 mu N)`` for the creepage s (Spiryagin, Polach and Cole, 2013, Vehicle
     System Dynamics 51; CONTACT's K0_MF, ALFAMF and BETAMF). At creepages s forces are those of k s, slip is that of k s
     over k.
-
-    Parameters
-    ----------
-    initial
-        k_0 at small creepages, above 0 and up to 1.
-    remaining
-        Part of it at large creepages, 0 to 1; at 1 the factor is the same everywhere.
-    rate
-        How fast it falls, >= 0.
-
     """
 
-    initial: float = 1.0
-    remaining: float = 1.0
-    rate: float = 0.0
-
-    def __post_init__(self) -> None:
-        factors = self.initial, self.remaining, self.rate
-        if not (are_finite(factors, 3) and 0.0 < factors[0] <= 1.0 and 0.0 <= factors[1] <= 1.0 and factors[2] >= 0.0):
-            raise InputError(
-                f"{self}", "0 < initial <= 1, 0 <= remaining <= 1 and rate >= 0", "correct the factors of the slope"
-            )
+    initial: Fraction = 1.0
+    """factor at small creepages (Spiryagin's k0)"""
+    remaining: float = Field(default=1.0, ge=0.0, le=1.0)
+    """part of it at large creepages (Spiryagin's alpha)"""
+    rate: NotNegative = 0.0
+    """how fast it falls with creepage (Spiryagin's beta)"""
 
     def factor(self, gradient: float) -> float:
         """The factor at a gradient epsilon."""
         return self.initial * (self.remaining + (1.0 - self.remaining) / (1.0 + self.rate * gradient))
+
+
+MAX_FRICTION = 1.0
+"""Upper bound of coefficients of friction: the driest steel on steel has 0.8, and shakedown limits end at 1."""
+FrictionCoefficient = Annotated[float, at.Ge(0.0), at.Le(MAX_FRICTION)]
+
+
+class FallingFriction(Record):
+    """Friction that falls with the slip velocity or the temperature of the contact."""
+
+    kinetic: FrictionCoefficient
+    """coefficient at high slip velocity or temperature"""
+    decay_m_per_s: NotNegative = 0.0
+    """slip velocity in which the difference of both coefficients falls to 1/e"""
+    between_C: Pair | None = None
+    """temperatures of the contact in degrees Celsius from which friction falls to the kinetic one, linearly, and at
+    which it has fallen"""
+
+    @model_validator(mode="after")
+    def _rises(self) -> "FallingFriction":
+        if self.between_C is not None and not self.between_C[0] < self.between_C[1]:
+            given = f"between_C = {list(self.between_C)}"
+            raise refused_by_check(given, "a second temperature above the first one", "exchange them")
+        return self
+
+
+class FrictionInputs(Record):
+    """How friction depends on slip velocity and temperature, thermal properties, and the slope of creep forces."""
+
+    falling: FallingFriction | None = None
+    """how friction falls with slip velocity and temperature (default: it is constant)"""
+    heat: Heat = Heat()
+    """thermal properties of both bodies"""
+    slope: SlopeReduction = SlopeReduction()
+    """reduction of the initial slope of creep forces by layers on the surfaces"""
+
+    def law(self, static: float, by_row: Floats | None = None) -> "Friction":
+        """Return the law of friction of a static coefficient.
+
+        - `by_row`: static coefficients of rows of cells across, (n,); the kinetic ones are less by the same factor.
+        """
+        falling = self.falling
+        heating = Heating(self.heat, self.heat, None if falling is None else falling.between_C)
+        kinetic = static if falling is None else falling.kinetic
+        decay = 0.0 if falling is None else falling.decay_m_per_s
+        if by_row is None:
+            return Friction(static, kinetic, decay, heating, self.slope)
+        return Friction(by_row, (kinetic / static if static > 0.0 else 1.0) * by_row, decay, heating, self.slope)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,11 @@ from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
-from flangeway.railway.wheelset.running_surfaces import SpatialModel
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
-RADIUS = "curve_radius_m"
-RADII = (RADIUS, "curve_radius_ft")
+RADIUS = "load.curve.radius_m"
+RADII = (RADIUS, "load.curve.radius_ft")
 SurfaceKey = tuple[Role, Side]
 """Whose profile: with the mean of both sides, ``right`` stands for both."""
 
@@ -26,33 +25,17 @@ class RunningState:
 
     - `name`: for reports.
     - `share`: of the distance (wheels) or of the axles (rails), > 0.
-    - `problem`, `model`: the wheelset with friction, as for `flangeway.railway.wheelset.spatial_result.solve_spatial`.
+    - `problem`: the wheelset with friction, as for `flangeway.railway.wheelset.spatial_result.solve_spatial`.
     """
 
     name: str
     share: float
     problem: WheelsetProblem
-    model: SpatialModel
 
     @property
     def mirrored(self) -> "RunningState":
         """The state as a mirror in the middle of the track shows it: right is left, with equal profiles."""
-        load, held, motion = self.problem.load, self.problem.prescribed, self.model.rolling
-        load = replace(load, lateral_N=0.0 - load.lateral_N, tilt_rad=0.0 - load.tilt_rad)
-        held = replace(held, lateral_mm=_reversed(held.lateral_mm), roll_rad=_reversed(held.roll_rad))
-        if motion is not None:
-            motion = replace(
-                motion,
-                curve_radius_m=_reversed(motion.curve_radius_m),
-                yaw_rate_rad_s=0.0 - motion.yaw_rate_rad_s,
-                lateral_velocity_m_s=0.0 - motion.lateral_velocity_m_s,
-            )
-        model = replace(self.model, yaw_rad=0.0 - self.model.yaw_rad, rolling=motion)
-        return replace(self, problem=replace(self.problem, load=load, prescribed=held), model=model)
-
-
-def _reversed(value: float | None) -> float | None:
-    return None if value is None else 0.0 - value
+        return replace(self, problem=self.problem.mirrored())
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +68,11 @@ class Collective:
         for state in self.states:
             if not (math.isfinite(state.share) and state.share > 0.0):
                 raise InputError(f"{state.name}: share = {state.share}", "a share above 0", "leave the state out")
-            if state.model.rolling is None:
+            if state.problem.friction is None:
                 raise InputError(
-                    f"{state.name} without friction", "states that roll with friction", "give friction and speed_km_h"
+                    f"{state.name} without friction", "states that roll with friction", "give rolling.friction"
                 )
-            symmetric = state.problem.track.is_symmetric and state.problem.wheelset.is_symmetric
-            if not (symmetric or self.separate):
+            if not (state.problem.has_alike_sides or self.separate):
                 raise InputError(
                     f"{state.name}: a left profile or radius of its own, with the mean of both sides",
                     "equal sides, or sides that wear by themselves",
@@ -111,15 +93,14 @@ class Collective:
         Both sides then wear alike. Each side by itself would differ by round-off, and rigid wheels that differ by this
         touch at other places where worn surfaces conform.
         """
-        if any(not (state.problem.track.is_symmetric and state.problem.wheelset.is_symmetric) for state in self.states):
+        if any(not state.problem.has_alike_sides for state in self.states):
             return False
-        mirrored = [state.mirrored for state in self.states]
-        # twice mirrored has no -0.0 either
-        here, there = (
-            sorted(f"{state.share!r} {state.problem!r} {state.model!r}" for state in states)
-            for states in ([state.mirrored for state in mirrored], mirrored)
-        )
-        return here == there
+        remaining = [(state.share, state.problem) for state in self.states]
+        for state in (state.mirrored for state in self.states):
+            if (state.share, state.problem) not in remaining:
+                return False
+            remaining.remove((state.share, state.problem))
+        return True
 
     def worn_at(self, role: Role, side: Side) -> dict[SurfaceKey, float]:
         """Whose profiles wear by a wheel or a rail of a side, and by which part of it."""
@@ -132,7 +113,7 @@ class Collective:
         profiles: dict[SurfaceKey, WheelProfile | RailProfile] = {}
         sides: Sequence[Side] = SIDES if self.separate else ("right",)
         for state in self.states:
-            track, wheelset = state.problem.track, state.problem.wheelset
+            track, wheelset = state.problem.track, state.problem.wheels
             for role in roles:
                 for side in sides:
                     profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
@@ -146,17 +127,13 @@ class Collective:
 
     def problem_with(self, state: RunningState, profiles: Mapping[SurfaceKey, Any]) -> WheelsetProblem:
         """The problem of a state with other profiles; one for both sides makes the sides alike."""
-
-        def left(role: Role) -> Any:
-            profile = profiles.get((role, "left"))
-            return None if profile is profiles[role, "right"] else profile
-
-        track, wheelset = state.problem.track, state.problem.wheelset
-        if ("rail", "right") in profiles:
-            track = replace(track, rail=profiles["rail", "right"], left_rail=left("rail"))
-        if ("wheel", "right") in profiles:
-            wheelset = replace(wheelset, wheel=profiles["wheel", "right"], left_wheel=left("wheel"))
-        return replace(state.problem, track=track, wheelset=wheelset)
+        tables: dict[Role, str] = {"rail": "track", "wheel": "wheelset"}
+        changes = {
+            table: {side: {role: profiles.get((role, side), profiles[role, "right"])} for side in SIDES}
+            for role, table in tables.items()
+            if (role, "right") in profiles
+        }
+        return state.problem.replaced(**changes)
 
 
 def ranges_of(state: Mapping[str, Any]) -> dict[str, Sequence[Any]]:
@@ -206,10 +183,10 @@ def _tangent(share: float, speed: float, friction: float = 0.3) -> dict[str, Any
         "name": "tangent",
         "share": share,
         "parts": 5,
-        "speed_km_h": speed,
-        "friction": friction,
-        "gauge_mm": (1431.0, 1439.0),
-        "yaw_mrad": (-0.4, 0.6),
+        "rolling.speed_km_h": speed,
+        "rolling.friction": friction,
+        "track.gauge_mm": (1431.0, 1439.0),
+        "position.yaw_mrad": (-0.4, 0.6),
     }
 
 
@@ -220,7 +197,7 @@ def _curves(
     superelevations_mm: tuple[float, float],
     parts: int = 1,
     friction: float = 0.3,
-    **more: float,
+    flange_friction: float | None = None,
 ) -> dict[str, Any]:
     """Curves between two radii."""
     return {
@@ -228,11 +205,11 @@ def _curves(
         "share": share,
         "parts": parts,
         RADIUS: radii_m,
-        "speed_km_h": speeds,
-        "superelevation_mm": superelevations_mm,
-        "gauge_mm": 1435.0,
-        "friction": friction,
-        **more,
+        "load.curve.speed_km_h": speeds,
+        "load.curve.superelevation_mm": superelevations_mm,
+        "track.gauge_mm": 1435.0,
+        "rolling.friction": friction,
+        **({} if flange_friction is None else {"rolling.flange_friction": flange_friction}),
     }
 
 
@@ -256,6 +233,6 @@ COLLECTIVES: dict[str, tuple[dict[str, Any], ...]] = {
         _curves(0.1, (700.0, 400.0), (65.0, 60.0), (50.0, 60.0), friction=0.35, flange_friction=0.2),
     ),
 }
-"""States of bundled collectives as `parts_of` takes them, with the keys of the case ``wheelset``.
+"""States of bundled collectives as `parts_of` takes them, with the paths of the inputs of the case ``wheelset``.
 
 Their shares, speeds and radii are assumed, not measured: name them as such."""

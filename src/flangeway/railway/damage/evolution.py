@@ -334,7 +334,7 @@ class Evolution:
             problem = self.collective.problem_with(state, profiles)
             start = near[count - 1].place if near else None
             try:
-                result = _solved(SpatialWheelset(problem, {}, state.model), made, bodies, start)
+                result = _solved(SpatialWheelset(problem, {}), made, bodies, start)
                 message = "" if result.status.converged else result.status.message
             except InputError as reason:
                 message = reason.given
@@ -382,7 +382,10 @@ class Evolution:
             repr(sorted(settings.items())),
             repr(sorted(self.laws.items())),
             repr(self.collective.separate),
-            *(f"{state.share!r} {state.problem!r} {state.model!r}" for state in self.collective.states),
+            *(
+                f"{state.share!r} {state.problem!r} {state.problem.track.rails!r} {state.problem.wheels.wheels!r}"
+                for state in self.collective.states
+            ),
         ]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
@@ -434,12 +437,11 @@ def _solved(
     wheelset: SpatialWheelset, made: list[SpatialWheelset], bodies: ElasticBodies, near: RollingPlace | None
 ) -> SpatialResult:
     """Solve a state; equal bodies, and rigid geometry of equal wheelsets on equal tracks, are made once."""
-    problem, model = wheelset.problem, wheelset.model
+    problem = wheelset.problem
     for other in made:
-        moved = other.at(problem.load, problem.prescribed, model.yaw_rad, model.rolling)
-        if (moved.problem, moved.model) == (problem, model):
-            return solve_position(moved, {}, near=near)
-    made.append(replace(wheelset, surfaces=running_surfaces(problem, model, cache=Cache.of_user(), done=bodies)))
+        if other.problem.bodies == problem.bodies:
+            return solve_position(other.at(problem), {}, near=near)
+    made.append(replace(wheelset, surfaces=running_surfaces(problem, cache=Cache.of_user(), done=bodies)))
     return solve_position(made[-1], {}, near=near)
 
 

@@ -16,6 +16,7 @@ from flangeway.formats.drawn_section import DrawnSegment, parse_segment, parse_t
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placement, Point, Region, Section, Segment
 from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.formats.instrument_files import GAP_MM, closed_gaps
+from flangeway.records import ByInstance
 from flangeway.system.file_content import packaged_rows, packaged_text
 
 # --- Running surfaces from formulas and arcs: S1002, a heavy-haul wheel of nine arcs, the reference profiles of EN
@@ -179,7 +180,7 @@ CUT_HEIGHT_MM = 50.0  # height above the tape line of the straight cut that clos
 
 
 @dataclass(frozen=True)
-class RailProfile:
+class RailProfile(ByInstance):
     """Cross-section of the right-hand rail, seen with the centre of the track at the left.
 
     Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
@@ -215,7 +216,7 @@ class RailProfile:
 
 
 @dataclass(frozen=True)
-class WheelProfile:
+class WheelProfile(ByInstance):
     """Lower part of the right-hand wheel's rim, in the wheel's own frame.
 
     Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);
@@ -286,8 +287,6 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
         return _reference_rail()
     if name not in _RAIL_FILES:
         advice = _advice("rail", name, (*RAILS, REFERENCE_RAIL))
-        if name.upper() in SECTIONS and name.upper().startswith("136RE-"):
-            advice = f"give 136RE, and crown_radius_in = {name[6:]}"
         known = ", ".join((*RAILS, REFERENCE_RAIL))
         raise InputError(f"rail '{name}'", f"one of {known}, or a file of a profile", advice)
     radii = _RAIL_FILES[name]

@@ -20,8 +20,9 @@ from flangeway.railway.rigid.rigid_geometry import (
     TouchingPositions,
     levers,
 )
+from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
-from flangeway.railway.track.wheelset_problem import WheelsetLoad, WheelsetProblem
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -180,9 +181,9 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad) -> RigidEquil
     position = None if reached is None else positions[reached]
     outcome: RigidPosition | InputError
     if position is None:
-        outcome = _beyond_reach(geometry, path, along / onto)
+        outcome = _beyond_reach(geometry, path, load, along / onto)
     elif not position.carries:
-        outcome = _overturning(geometry, position, along / onto)
+        outcome = _overturning(load, position, along / onto)
     else:
         outcome = position
     return RigidEquilibrium(outcome, tuple(position for position in positions if position.carries), along / onto)
@@ -245,28 +246,33 @@ def _positions(
     ]
 
 
-def _work(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Floats]:
+def _work(geometry: RigidGeometry, path: TouchingPositions, load: WheelsetLoad) -> tuple[Floats, Floats]:
     """Lift and lateral displacement of the centre of gravity per lateral displacement at the rails' height."""
     slopes, arms = levers(geometry.reference_height_mm, path)
     roll = (slopes[0] - slopes[1]) / (arms[0] - arms[1])
     vertical = slopes[0] - roll * arms[0]
-    height = geometry.reference_height_mm + geometry.centre_of_gravity_height_mm
-    return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
+    height, offset = geometry.reference_height_mm + load.height_mm, load.offset_mm
+    sine, cosine = np.sin(path.roll), np.cos(path.roll)
+    return (
+        vertical - roll * height * sine + roll * offset * cosine,
+        1.0 - roll * height * cosine - roll * offset * sine,
+    )
 
 
 def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: WheelsetLoad) -> Floats:
     """Derivative of the load's potential along the path."""
     along, onto = load.in_track
-    lift, lateral = _work(geometry, path)
+    lift, lateral = _work(geometry, path, load)
     return onto * lift - along * lateral
 
 
-def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
+def held_ratios(geometry: RigidGeometry, path: TouchingPositions, load: WheelsetLoad) -> Floats:
     """Lateral over vertical force at the centre of gravity in equilibrium at each position, nan where none is.
 
     - `path`: positions in which both wheels touch.
+    - `load`: where it acts.
     """
-    lift, lateral = _work(geometry, path)
+    lift, lateral = _work(geometry, path, load)
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)
 
 
@@ -307,10 +313,8 @@ def _position(
     points = contact_points(locus, ends)
     along, onto = load.in_track
     height = geometry.reference_height_mm + motion.vertical_mm
-    centre_of_gravity = (
-        motion.lateral_mm - geometry.centre_of_gravity_height_mm * math.sin(motion.roll_rad),
-        height + geometry.centre_of_gravity_height_mm * math.cos(motion.roll_rad),
-    )
+    x, y = load.centre_of_gravity(motion.roll_rad)
+    centre_of_gravity = motion.lateral_mm + x, height + y
     columns = []
     for point in points:
         x, y = point.force_on_wheel_N
@@ -345,10 +349,12 @@ def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoin
     return points
 
 
-def _beyond_reach(geometry: RigidGeometry, path: TouchingPositions, load_ratio: float) -> InputError:
+def _beyond_reach(
+    geometry: RigidGeometry, path: TouchingPositions, load: WheelsetLoad, load_ratio: float
+) -> InputError:
     """Why no position holds a load: the flange climbs, or the positions end before it does."""
     side: Side = "right" if load_ratio >= 0.0 else "left"
-    held = float(np.nanmax(SIDE_SIGN[side] * held_ratios(geometry, path)))
+    held = float(np.nanmax(SIDE_SIGN[side] * held_ratios(geometry, path, load)))
     contact, flange = np.degrees([np.nanmax(path.side(side).angle[:, 0]), geometry.side(side).flange_angle_rad()])
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which no position holds: {geometry.path_end(side)}",
@@ -357,10 +363,10 @@ def _beyond_reach(geometry: RigidGeometry, path: TouchingPositions, load_ratio: 
     )
 
 
-def _overturning(geometry: RigidGeometry, position: RigidPosition, load_ratio: float) -> InputError:
+def _overturning(load: WheelsetLoad, position: RigidPosition, load_ratio: float) -> InputError:
     side = "right" if load_ratio >= 0.0 else "left"
     arm = max(abs(point.point_mm[0] - position.motion.lateral_mm) for point in position.contacts if point.side == side)
-    height = geometry.centre_of_gravity_height_mm + max(point.rolling_radius_mm for point in position.contacts)
+    height = load.height_mm + max(point.rolling_radius_mm for point in position.contacts)
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which is overturning about the {side} rail: the other wheel lifts",
         f"L/V up to {arm / height:.3f}, at which it lifts with this height of the centre of gravity",
@@ -473,12 +479,12 @@ def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None)
     - `problem`: wheelset, track, load and prescribed displacements.
     - `geometry`: rigid geometry of this wheelset on this track, if it is there already.
     """
-    geometry = geometry or RigidGeometry.of(problem.track, problem.wheelset)
-    lateral = problem.prescribed.lateral_mm
+    geometry = geometry or RigidGeometry.of(problem.track, problem.wheels)
+    lateral = problem.position.lateral_mm
     if lateral is not None:
         return RigidStart(geometry, _prescribed_start(geometry, lateral), None)
-    equilibrium = rigid_equilibrium(geometry, problem.load)
-    if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
+    equilibrium = rigid_equilibrium(geometry, problem.forces)
+    if problem.has_alike_sides and problem.forces.is_symmetric:
         # the middle is in equilibrium, though it need not be stable
         middle = geometry.located(geometry.touching(np.array([0.0]), at_axle=True)).motion(0)
         return RigidStart(geometry, middle, equilibrium)

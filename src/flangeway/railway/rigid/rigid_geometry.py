@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, WheelsetPosition, refuse_misfit
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition, refuse_misfit
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Points of contact of a rigid wheelset over its positions, and where they jump.
@@ -201,18 +201,15 @@ class RigidGeometry:
         The sides, each in its right-hand form.
     reference_height_mm
         Height of the axle's middle over the top of the rails in the reference position.
-    centre_of_gravity_height_mm
-        Height above the axle's middle of the point where a load acts.
     """
 
     left: RigidSide
     right: RigidSide
     reference_height_mm: float
-    centre_of_gravity_height_mm: float = Wheelset.centre_of_gravity_height_mm
     _paths: dict[float, TouchingPositions] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
-    def of(cls, track: Track, wheelset: Wheelset, yaw_rad: float = 0.0) -> "RigidGeometry":
+    def of(cls, track: Track, wheelset: WheelPair, yaw_rad: float = 0.0) -> "RigidGeometry":
         """Return the rigid geometry of a wheelset on a track; see `refuse_misfit` for what is refused.
 
         Parameters
@@ -222,12 +219,13 @@ class RigidGeometry:
         yaw_rad
             Yaw of the axle about its middle, counter-clockwise seen from above: the right wheel is ahead.
         """
+        wheelset = wheelset.on(track)
         refuse_misfit(track, wheelset)
         right = RigidSide.of(track, wheelset, "right", yaw_rad)
         # sides are seen from their own gauge: those of a symmetric pair are one, but for the sense of the yaw
         alike = track.is_symmetric and wheelset.is_symmetric
         left = replace(right, yaw_rad=-yaw_rad) if alike else RigidSide.of(track, wheelset, "left", yaw_rad)
-        return cls(left, right, wheelset.tape_radius_mm, wheelset.centre_of_gravity_height_mm)
+        return cls(left, right, wheelset.tape_radius_mm)
 
     def side(self, side: Side) -> RigidSide:
         """Curves of a side."""

@@ -6,17 +6,24 @@ Profiles are those of the right side, their track side at negative x; the left s
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Literal, NamedTuple, get_args
+from functools import cached_property, lru_cache
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
-from flangeway.checks import check_between, check_finite, check_positive, refused
+from flangeway.checks import check_finite
+from flangeway.contact.rolling.friction import FrictionCoefficient
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.profiles.formats.two_column import Kind
+from flangeway.railway.profiles.named import RailInput, WheelInput, profile_of
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings
+from flangeway.railway.track.supports import Axle, ElasticAxle, RimSection, Sleepers, Support, WheelSection
+from flangeway.records import Positive, Record
 from flangeway.types import Floats
 
 Side = Literal["left", "right"]
@@ -87,12 +94,6 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
     )
 
 
-def _require_positive(owner: str, **lengths: float | None) -> None:
-    for name, value in lengths.items():
-        if value is not None:
-            check_positive(owner, name, value, "a positive length", "give it in mm")
-
-
 GaugeAt = Literal["within-depth", "unworn", "narrowest"]
 _DEVIATION_MM = 1e-6  # of the chords by which a head is measured from its arcs
 _REACH_TOLERANCE_MM = 1e-3  # by which a gauge face may end above the depth of the gauge
@@ -135,55 +136,100 @@ def gauge_point(head: Contour, inclination_rad: float, depth_mm: float) -> Gauge
     return GaugePoint(float(x), float(top - y), float(top), reach)
 
 
-@dataclass(frozen=True)
-class Track:
-    """Two rails, fixed along their bases.
+def _profiles_of(kind: Kind, table: str, common: Any, own: Mapping[Side, Any]) -> dict[Side, Any]:
+    """Rails or wheels by side, one object where the sides name the same.
 
-    Parameters
-    ----------
-    rail
-        Profile of the right rail.
-    gauge_mm
-        Distance between the two rails' heads, half of it on each side of the middle.
-    rail_inclination
-        Inclination of the rails towards the middle, as a slope (1/40).
-    left_rail
-        Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
-    gauge_depth_mm
-        Depth below the rails' tops down to which the gauge is measured, 14 mm by EN 13848-1, 5/8 in in North America.
-    gauge_at
-        Where the gauge is measured: ``"within-depth"``: where the heads are closest down to `gauge_depth_mm` below
-        their tops; ``"unworn"``: there on the unworn heads, so that worn rails stand where they stood new;
-        ``"narrowest"``: where the heads are closest at any depth.
+    - `table`: where their inputs are, for messages.
+    - `common`: what both sides have.
+    - `own`: what each side has in its place; None: nothing.
     """
+    inputs = {side: common if value is None else value for side, value in own.items()}
+    paths = {side: f"{table}.{kind}" if value is None else f"{table}.{side}.{kind}" for side, value in own.items()}
+    right = profile_of(inputs["right"], kind, paths["right"], inputs["left"])
+    if inputs["left"] == inputs["right"]:
+        return {"left": right, "right": right}
+    return {"left": profile_of(inputs["left"], kind, paths["left"], inputs["right"]), "right": right}
 
-    rail: RailProfile
-    gauge_mm: float = 1600.0
-    rail_inclination: float = 1.0 / 40.0
-    left_rail: RailProfile | None = None
-    gauge_depth_mm: float = GAUGE_DEPTH_MM
+
+class RailSide(Record):
+    """What the rail of one side has of its own."""
+
+    rail: RailInput | None = None
+    """rail (default: that of the track)"""
+    inclination: float | None = Field(default=None, ge=-0.2, le=0.2)
+    """inclination (default: that of the track)"""
+    support: Support | None = None
+    """what it stands on (default: that of the track)"""
+    friction: FrictionCoefficient | None = None
+    """coefficient of friction, with rolling.friction a number (default: that)"""
+
+
+class Track(Record):
+    """Two rails."""
+
+    rail: RailInput = "60E1"
+    """rail: 60E1, 60E2, 54E1, 49E1, 136RE (crowns: 136RE-8in, 136RE-14in), S-519-A, or a file"""
+    left: RailSide = RailSide()
+    """what the left side has of its own"""
+    right: RailSide = RailSide()
+    """what the right side has of its own"""
+    gauge_mm: Positive = 1435.0
+    """track gauge, between the rails' heads"""
+    gauge_depth_mm: Positive = GAUGE_DEPTH_MM
+    """depth below the tops down to which the gauge is measured: 14 mm by EN 13848-1; North America has 15.875 mm"""
     gauge_at: GaugeAt = "within-depth"
+    """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads, so that worn
+    rails stand where they stood new; narrowest: closest points at any depth"""
+    inclination: float = Field(default=1.0 / 40.0, ge=-0.2, le=0.2)
+    """rail inclination, a slope; 1:40 is 0.025"""
+    superelevation_base_mm: Positive | None = None
+    """width over which superelevation is measured (default: the gauge and 65 mm, the running circles)"""
+    support: Support = Sleepers()
+    """what the rails stand on"""
 
-    def __post_init__(self) -> None:
-        for name in ("gauge_mm", "gauge_depth_mm"):
-            check_positive("Track", name, getattr(self, name), "a positive length", "give it in mm")
-        check_between("Track", "rail_inclination", self.rail_inclination, -0.2, 0.2, advice="give 1:40 as 0.025")
-        if self.gauge_at not in get_args(GaugeAt):
-            allowed = f"one of {', '.join(get_args(GaugeAt))}"
-            raise refused("Track", "gauge_at", self.gauge_at, allowed, "choose one of these")
+    @property
+    def base_mm(self) -> float:
+        """Width over which superelevation is measured."""
+        base = self.superelevation_base_mm
+        return self.gauge_mm + RUNNING_CIRCLES_MM if base is None else base
+
+    @cached_property
+    def rails(self) -> dict[Side, RailProfile]:
+        """Rails by side, one object where the sides name the same."""
+        own = {side: self.side(side).rail for side in SIDES}
+        return _profiles_of("rail", "track", self.rail, own)
+
+    def side(self, side: Side) -> RailSide:
+        """What a side has of its own."""
+        return self.left if side == "left" else self.right
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether the left rail mirrors the right one."""
-        return self.left_rail is None
-
-    def rail_of(self, side: Side) -> RailProfile:
-        """Profile of the rail of a side, in the right-hand form."""
-        return self.left_rail if side == "left" and self.left_rail is not None else self.rail
+        """Whether the left rail, with its support and friction, mirrors the right one."""
+        one, other = (self.side(side) for side in SIDES)
+        alike = self.rail_of("left") is self.rail_of("right") and one.friction == other.friction
+        return alike and self.support_of("left") == self.support_of("right") and self.has_one_inclination
 
     @property
-    def _angle(self) -> float:
-        return math.atan(self.rail_inclination)
+    def has_one_inclination(self) -> bool:
+        """Whether both rails are inclined alike."""
+        return self.inclination_of("left") == self.inclination_of("right")
+
+    def rail_of(self, side: Side) -> RailProfile:
+        """Profile of the rail of a side, in the right-hand form; an `InputError` if its file cannot be read."""
+        return self.rails[side]
+
+    def inclination_of(self, side: Side) -> float:
+        """Inclination of the rail of a side towards the middle, a slope."""
+        own = self.side(side).inclination
+        return self.inclination if own is None else own
+
+    def support_of(self, side: Side) -> Support:
+        """What the rail of a side stands on."""
+        return self.side(side).support or self.support
+
+    def _angle(self, side: Side) -> float:
+        return math.atan(self.inclination_of(side))
 
     def gauge_point(self, side: Side) -> GaugePoint:
         """Point of a rail that stands at half of the gauge from the middle of the track.
@@ -193,19 +239,19 @@ class Track:
         rail = self.rail_of(side)
         head = rail.placing_head or rail.running_surface
         if self.gauge_at == "narrowest":
-            return gauge_point(head, self._angle, math.inf)
+            return gauge_point(head, self._angle(side), math.inf)
         if self.gauge_at == "unworn":
             if rail.unworn is None:
                 raise InputError(
-                    f"gauge_at = unworn, and the {side} rail {rail.title} without an unworn head",
+                    f"track.gauge_at = unworn, and the {side} rail {rail.title} without an unworn head",
                     "bundled rails, and files of heads on the body of one",
-                    "name the bundled rail as rail_body, or leave gauge_at out",
+                    "name the bundled rail as body of the file, or leave gauge_at out",
                 )
             head = rail.unworn
-        at = gauge_point(head, self._angle, self.gauge_depth_mm)
+        at = gauge_point(head, self._angle(side), self.gauge_depth_mm)
         if at.reach_mm < self.gauge_depth_mm - _REACH_TOLERANCE_MM:
             raise InputError(
-                f"gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
+                f"track.gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
                 f"depths to {at.reach_mm:.1f} mm below the rail's top, as far as its gauge face goes down",
                 "give a smaller gauge_depth_mm, gauge_at = narrowest, or a profile with its gauge face",
             )
@@ -214,7 +260,7 @@ class Track:
     def placement(self, side: Side) -> Placement:
         """Where the rail of a side stands: inclined, its head at the gauge, its top at y = 0."""
         at = self.gauge_point(side)
-        placement = Placement(self._angle, (self.gauge_mm / 2.0 - at.x_mm, -at.top_mm))
+        placement = Placement(self._angle(side), (self.gauge_mm / 2.0 - at.x_mm, -at.top_mm))
         return placement if side == "right" else mirrored(placement)
 
     @property
@@ -225,72 +271,97 @@ class Track:
         """
         width = self.gauge_mm
         for side in SIDES:
-            at = gauge_point(self.rail_of(side).running_surface, self._angle, self.gauge_depth_mm)
+            at = gauge_point(self.rail_of(side).running_surface, self._angle(side), self.gauge_depth_mm)
             if at.reach_mm < self.gauge_depth_mm - _REACH_TOLERANCE_MM:
                 return None
             width += at.x_mm - self.gauge_point(side).x_mm
         return width
 
 
-@dataclass(frozen=True)
-class Wheelset:
-    """Two wheels on a rigid axle that carries the load.
+class WheelSide(Record):
+    """What the wheel of one side has of its own."""
 
-    Parameters
-    ----------
-    wheel
-        Profile of the right wheel.
-    back_to_back_mm
-        Distance between the inner faces of the wheels.
-    radius_mm
-        Maximum radius of the wheel, that of the tip of the flange.
-    centre_of_gravity_height_mm
-        Height above the axle of the point where the load acts.
-    left_wheel
-        Profile of the left wheel, in the right-hand form; None: the left wheel mirrors the right one.
-    left_radius_mm
-        As `radius_mm` for the left wheel; None: both have the same rolling radius at the tape line.
-    """
+    wheel: WheelInput | None = None
+    """wheel (default: that of the wheelset)"""
+    radius_mm: float | None = Field(default=None, ge=150.0)
+    """radius (default: that of the other wheel at the tape line)"""
 
-    wheel: WheelProfile
-    back_to_back_mm: float = 1515.0
-    radius_mm: float = 500.0
-    centre_of_gravity_height_mm: float = 1457.7
-    left_wheel: WheelProfile | None = None
-    left_radius_mm: float | None = None
 
-    def __post_init__(self) -> None:
-        for name in ("back_to_back_mm", "radius_mm"):
-            check_positive("Wheelset", name, getattr(self, name), "a positive length", "give it in mm")
-        _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
-        advice = "give the height above the axle in mm"
-        check_finite(
-            "Wheelset", "centre_of_gravity_height_mm", self.centre_of_gravity_height_mm, "a finite length", advice
-        )
+class WheelPair(Record):
+    """Two wheels on an axle."""
+
+    wheel: WheelInput = "S1002"
+    """wheel: S1002, AAR-1B (an approximation), heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
+    left: WheelSide = WheelSide()
+    """what the left side has of its own"""
+    right: WheelSide = WheelSide()
+    """what the right side has of its own"""
+    back_to_back_mm: Positive | None = None
+    """distance between the wheels' inner faces (default: by the gauge, 1360 for 1435, 1440 for 1520, 1515 for 1600,
+    1593 for 1668)"""
+    radius_mm: float = Field(default=460.0, ge=150.0)
+    """rolling radius, at the position radius_at"""
+    radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
+    """where radii are measured"""
+    section: WheelSection = RimSection()
+    """what of the wheels is elastic"""
+    axle: Axle = ElasticAxle()
+    """how the axle bends"""
+
+    @cached_property
+    def wheels(self) -> dict[Side, WheelProfile]:
+        """Wheels by side, one object where the sides name the same."""
+        own = {side: self.side(side).wheel for side in SIDES}
+        return _profiles_of("wheel", "wheelset", self.wheel, own)
+
+    def side(self, side: Side) -> WheelSide:
+        """What a side has of its own."""
+        return self.left if side == "left" else self.right
 
     @property
     def is_symmetric(self) -> bool:
         """Whether the left wheel mirrors the right one."""
-        return self.left_wheel is None and self.left_radius_mm is None
+        return self.wheel_of("left") is self.wheel_of("right") and self.left.radius_mm == self.right.radius_mm
 
     @property
     def tape_radius_mm(self) -> float:
         """Rolling radius of the right wheel at the tape line."""
-        return self.radius_mm - self.wheel.flange_height_mm
+        return self.tape_radius_of("right")
+
+    @property
+    def tip_radius_mm(self) -> float:
+        """Radius of the right wheel at the tip of its flange."""
+        return self.tape_radius_mm + self.wheel_of("right").flange_height_mm
 
     def wheel_of(self, side: Side) -> WheelProfile:
-        """Profile of the wheel of a side, in the right-hand form."""
-        return self.left_wheel if side == "left" and self.left_wheel is not None else self.wheel
+        """Profile of the wheel of a side, in the right-hand form; an `InputError` if its file cannot be read."""
+        return self.wheels[side]
 
     def tape_radius_of(self, side: Side) -> float:
         """Rolling radius of the wheel of a side at the tape line, in mm."""
-        if side == "right" or self.left_radius_mm is None:
-            return self.tape_radius_mm
-        return self.left_radius_mm - self.wheel_of("left").flange_height_mm
+        own = self.side(side).radius_mm
+        if own is None and side == "left":
+            return self.tape_radius_of("right")
+        radius = self.radius_mm if own is None else own
+        return radius if self.radius_at == "tape-line" else radius - self.wheel_of(side).flange_height_mm
+
+    @property
+    def distance_mm(self) -> float:
+        """Distance of the wheels' inner faces of a wheelset that has one; see `WheelPair.on`."""
+        if self.back_to_back_mm is None:
+            raise InputError("wheels without back_to_back_mm", "their distance", "give it, or take those of a wheelset")
+        return self.back_to_back_mm
+
+    def on(self, track: Track) -> "WheelPair":
+        """Return the wheels with their distance, by the gauge of their track if none is given."""
+        if self.back_to_back_mm is not None:
+            return self
+        _ = self.wheels  # read once for both
+        return self.model_copy(update={"back_to_back_mm": usual_gauge(track.gauge_mm).back_to_back_mm})
 
     def placement(self, side: Side) -> Placement:
         """Where the wheel of a side stands in the reference position: the right tape line at y = 0, the axle level."""
-        lateral = self.back_to_back_mm / 2.0 + self.wheel_of(side).flange_back_mm
+        lateral = self.distance_mm / 2.0 + self.wheel_of(side).flange_back_mm
         placement = Placement(0.0, (lateral, self.tape_radius_mm - self.tape_radius_of(side)))
         return placement if side == "right" else mirrored(placement)
 
@@ -332,17 +403,11 @@ class WheelsetPosition:
         x, y = self.lateral_mm, self.vertical_mm
         return WheelsetPosition(cosine * x - sine * y, sine * x + cosine * y, self.roll_rad)
 
-    def axle(self, wheelset: Wheelset) -> tuple[float, float]:
+    def axle(self, wheelset: WheelPair) -> tuple[float, float]:
         """Point in the middle of the axle."""
         return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
 
-    def centre_of_gravity(self, wheelset: Wheelset) -> tuple[float, float]:
-        """Point where the load acts."""
-        x, y = self.axle(wheelset)
-        height = wheelset.centre_of_gravity_height_mm
-        return x - height * math.sin(self.roll_rad), y + height * math.cos(self.roll_rad)
-
-    def placement(self, wheelset: Wheelset, side: Side) -> Placement:
+    def placement(self, wheelset: WheelPair, side: Side) -> Placement:
         """Placement of the wheel of a side."""
         turn = Placement.about((0.0, wheelset.tape_radius_mm), self.roll_rad)
         shift = Placement(0.0, (self.lateral_mm, self.vertical_mm))
@@ -360,12 +425,12 @@ FLANGE_MM = 10.0
 
 
 @lru_cache(maxsize=16)
-def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
+def refuse_misfit(track: Track, wheelset: WheelPair) -> None:
     """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
 
     An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.
     """
-    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
+    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.distance_mm:g} do not fit"
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
     usual = [gauge for gauge in USUAL_GAUGES if gauge.includes(track.gauge_mm)]
     advice = "check gauge_mm and back_to_back_mm" + "".join(

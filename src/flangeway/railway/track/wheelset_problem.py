@@ -1,89 +1,23 @@
-"""What a wheelset computation is about: bodies, meshes, loads and what is prescribed."""
+"""A wheelset computation as one tree of records: track, wheels, load, position, rolling, contact, mesh."""
 
+# ruff: noqa: N815 (units in names)
 import math
-from dataclasses import dataclass, field, fields
-from typing import Literal
+from functools import cached_property
+from typing import Annotated, Any, Literal, TypeAlias
 
-from flangeway.checks import check_finite, check_integer, check_positive, is_finite, refused
+from pydantic import Field, model_validator
+
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
-from flangeway.elements import Element, Lagrange, Stabilisation, Virtual
-from flangeway.errors import InputError, short
+from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.materials import Elastic
-from flangeway.railway.track.placements import Track, Wheelset, refuse_misfit
-
-# --- Forces on the wheelset, and where they come from.
-
-
-GRAVITY_M_S2 = 9.80665  # standard acceleration of free fall
-MAX_SLOPE = 0.2  # largest superelevation relative to its base width
-
-
-@dataclass(frozen=True)
-class WheelsetLoad:
-    """Force at the car's centre of gravity: weight along the vertical, lateral force along the horizontal.
-
-    Parameters
-    ----------
-    vertical_N
-        Weight, down, > 0.
-    lateral_N
-        Horizontal force to the right: the centrifugal force of a curve to the left.
-    tilt_rad
-        Rotation of the track by its superelevation, counter-clockwise: positive lifts the right rail.
-    """
-
-    vertical_N: float  # noqa: N815 (the unit newton)
-    lateral_N: float = 0.0  # noqa: N815
-    tilt_rad: float = 0.0
-
-    def __post_init__(self) -> None:
-        allowed = "a positive weight: it presses the wheels on the rails"
-        advice = "give the load of the axle in N, 300000 for 30 t"
-        check_positive("WheelsetLoad", "vertical_N", self.vertical_N, allowed, advice)
-        check_finite("WheelsetLoad", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
-        if not (is_finite(self.tilt_rad) and abs(self.tilt_rad) < 0.25):
-            allowed, advice = "an angle between -0.25 and 0.25 rad", "check the superelevation"
-            raise refused("WheelsetLoad", "tilt_rad", self.tilt_rad, allowed, advice)
-
-    @property
-    def in_track(self) -> tuple[float, float]:
-        """Lateral force in the track's plane, to the right, and force onto it, in N."""
-        cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
-        along = self.lateral_N * cosine - self.vertical_N * sine
-        onto = self.vertical_N * cosine + self.lateral_N * sine
-        return along, onto
-
-
-def curve_force_N(weight_N: float, speed_km_h: float, radius_m: float) -> float:  # noqa: N802
-    """Centrifugal force of a weight in a curve, ``(W / g) v^2 / R``: to the right in a curve to the left, R > 0."""
-    return weight_N / GRAVITY_M_S2 * (speed_km_h / 3.6) ** 2 / radius_m
-
-
-def balanced_superelevation_mm(speed_km_h: float, radius_m: float, base_mm: float) -> float:
-    """Superelevation at which weight and centrifugal force have no lateral part in the track's plane, signed as R."""
-    return base_mm * math.sin(math.atan((speed_km_h / 3.6) ** 2 / (GRAVITY_M_S2 * radius_m)))
-
-
-def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
-    """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
-    if not (base_mm > 0.0 and abs(superelevation_mm) <= MAX_SLOPE * base_mm):
-        raise InputError(
-            f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
-            "at most a fifth of the base width",
-            "give both in mm; 3 cm is 30",
-        )
-    return math.asin(superelevation_mm / base_mm)
-
-
-# --- How wheels and rails are meshed, and how their contact is enforced.
-
+from flangeway.railway.track.loads import Load, Position, WheelsetLoad
+from flangeway.railway.track.placements import SIDES, Side, Track, WheelPair, refuse_misfit
+from flangeway.railway.track.rolling import RollingMotion
+from flangeway.records import ElementOrder, Fraction, PoissonRatio, Positive, Record, SolidModulus, refused_by_check
 
 Method = Literal["fem", "vem"]
 Role = Literal["rail", "wheel"]
 ROLES: tuple[Role, Role] = ("wheel", "rail")
-Choice = Literal["auto", "rail", "wheel"]
-PairingName = Literal["node-to-segment", "segment-to-segment"]
-EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
 DEPTH_MM = 10.0
 """Depth up to which surfaces that overlap are paired in an iteration, in mm: a wheel sinks by less than 1 mm."""
 
@@ -97,103 +31,113 @@ lengths of no common multiple, these forces cancel."""
 NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have a penalty per node
 
 
-@dataclass(frozen=True)
-class Discretisation:
-    """How the bodies are meshed and joined.
+class Steel(Record):
+    """Linear elastic, isotropic material of wheels and rails."""
 
-    - `method`: ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
-    - `contact_size_mm`: size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of
-      twice the size, with nodes as far apart.
-    - `body_size_mm`: size of the triangles far from them, in the same way.
-    - `growth`: growth of the size per distance from the zones.
-    - `size_scale`: factor on both sizes.
-    - `penalty_factor`: penalty as pressure per penetration, over the contact modulus per mm.
-    - `nodal_penalty_N_per_mm`: penalty of node-to-segment contact as force per penetration at each secondary node, as
-      in Moherdaui (2021); None: by `penalty_factor`.
-    - `primary`: which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
-    - `wheel_method`, `rail_method`, `wheel_order`, `rail_order`, `wheel_contact_size_mm`, `rail_contact_size_mm`: what
-      differs for one body; None: as for both.
-    - `pairing`: ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures
-      oscillate. At order 2 elements of the primary side, where ``"auto"`` is the rail, are `PRIMARY_SIZE_RATIO` times
-      as large as those of the other one if no size of one of them is given.
-    - `enforcement`: ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
-    - `penetration_mm`: maximum penetration that augmented Lagrange tolerates.
-    - `stabilisation`: of polygons; None: their usual one.
-    """
+    young_MPa: SolidModulus = 210e3
+    """Young's modulus"""
+    poisson: PoissonRatio = 0.3
+    """Poisson's ratio"""
+
+    @property
+    def elastic(self) -> Elastic:
+        """The material of the elastic bodies."""
+        return Elastic(self.young_MPa, self.poisson)
+
+
+class YieldingSteel(Steel):
+    """The same with a yield strength."""
+
+    yield_MPa: Positive | None = None
+    """yield strength, for the shakedown position of patches and warnings (default: 510, rail steel)"""
+
+
+class Mesh(Record):
+    """Elements of the bodies."""
 
     method: Method = "fem"
-    order: int = 1
-    contact_size_mm: float = 0.25
-    body_size_mm: float = 1.5
-    growth: float = 0.1
-    size_scale: float = 1.0
-    penalty_factor: float = 20.0
-    nodal_penalty_N_per_mm: float | None = None  # noqa: N815 (units)
-    primary: Choice = "auto"
-    wheel_method: Method | None = None
-    rail_method: Method | None = None
-    wheel_order: int | None = None
-    rail_order: int | None = None
-    wheel_contact_size_mm: float | None = None
-    rail_contact_size_mm: float | None = None
-    pairing: PairingName = "segment-to-segment"
-    enforcement: EnforcementName = "penalty"
-    penetration_mm: float = 1e-4
-    stabilisation: Stabilisation | None = None
+    """fem is triangles, vem is polygons with virtual elements"""
+    order: ElementOrder = 2
+    """order of the elements: FO2 is fem of order 2"""
+    size_scale: float = Field(default=1.0, ge=0.05, le=20.0)
+    """factor on all element sizes"""
+    stabilisation: Literal["default", "trace"] = "default"
+    """stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"""
 
-    def __post_init__(self) -> None:
-        lengths = ("contact_size_mm", "body_size_mm", "wheel_contact_size_mm", "rail_contact_size_mm", "penetration_mm")
-        orders = ("order", "wheel_order", "rail_order")
-        for name in (*lengths, "growth", "size_scale", "penalty_factor", "nodal_penalty_N_per_mm", *orders):
-            value = getattr(self, name)
-            if value is None and getattr(type(self), name) is None:  # the default
-                continue
-            if name in orders:
-                check_integer("Discretisation", name, value, 1, advice="leave it out")
-            else:
-                check_positive("Discretisation", name, value, advice="leave it out")
-        choices: tuple[tuple[str, tuple[str | None, ...]], ...] = (
-            ("method", ("fem", "vem")),
-            ("wheel_method", ("fem", "vem", None)),
-            ("rail_method", ("fem", "vem", None)),
-            ("primary", ("auto", "rail", "wheel")),
-            ("pairing", ("node-to-segment", "segment-to-segment")),
-            ("enforcement", ("penalty", "augmented-lagrange", "multiplier")),
-        )
-        for name, allowed in choices:
-            if getattr(self, name) not in allowed:
-                raise InputError(
-                    f"Discretisation({name}={short(getattr(self, name))})",
-                    " or ".join(repr(value) for value in allowed),
-                    "choose one of these",
-                )
+
+class BodyMesh(Record):
+    """What the mesh of one kind of body has of its own in the plane."""
+
+    method: Method | None = None
+    """method (default: that of the mesh)"""
+    order: ElementOrder | None = None
+    """order of the elements (default: that of the mesh)"""
+    contact_size_mm: Positive | None = None
+    """element size in contact (default: that of both)"""
+
+
+PATCH_CELLS = 26
+
+
+class Spatial(Record):
+    """Contact in three dimensions."""
+
+    kind: Literal["spatial"] = "spatial"
+    """three dimensions"""
+    patch_cells: int = Field(default=PATCH_CELLS, ge=10, le=60)
+    """cells across each contact patch, and along it"""
+
+
+class Plane(Record):
+    """Contact of a slice in plane strain without friction (Moherdaui 2021, 7.2)."""
+
+    kind: Literal["plane"] = "plane"
+    """a slice of thickness_mm in plane strain"""
+    thickness_mm: Positive = 10.0
+    """length of the bodies along the track"""
+    contact_size_mm: Positive = 0.25
+    """element size in contact, doubled for order 2"""
+    body_size_mm: Positive = 1.5
+    """element size elsewhere, doubled for order 2"""
+    growth: Fraction = 0.1
+    """growth of the element size per distance"""
+    wheel_mesh: BodyMesh = BodyMesh()
+    """what the mesh of the wheels has of its own"""
+    rail_mesh: BodyMesh = BodyMesh()
+    """what the mesh of the rails has of its own"""
+    wheel_material: Steel | None = None
+    """material of the wheels (default: material)"""
+    rail_material: Steel | None = None
+    """material of the rails (default: material)"""
+    pairing: Literal["node-to-segment", "segment-to-segment"] = "segment-to-segment"
+    """contact discretisation"""
+    enforcement: Literal["penalty", "augmented-lagrange", "multiplier"] = "penalty"
+    """constraint enforcement"""
+    penalty_factor: Positive = 20.0
+    """penalty (pressure per penetration) relative to the contact modulus per mm"""
+    nodal_penalty_N_per_mm: Positive | None = None
+    """penalty of node-to-segment as force per penetration at a node, as in Moherdaui (2021) (default: from
+    penalty_factor)"""
+    penetration_mm: Positive = 1e-4
+    """tolerated penetration of augmented-lagrange"""
+    primary: Literal["auto", "rail", "wheel"] = "auto"
+    """primary surface; auto: chosen, and the reason is reported"""
+
+    @model_validator(mode="after")
+    def _has_nodes(self) -> "Plane":
         if self.nodal_penalty_N_per_mm is not None and (self.pairing, self.enforcement) != NODAL:
-            raise InputError(
+            raise refused_by_check(
                 f"nodal_penalty_N_per_mm with {self.pairing} and {self.enforcement}",
                 " with ".join(NODAL),
                 "leave it out, or choose these for pairing and enforcement",
             )
+        return self
 
-    def method_of(self, body: Role) -> Method:
-        """Method of a kind of body."""
-        return (self.wheel_method if body == "wheel" else self.rail_method) or self.method
+    def mesh_of(self, body: Role) -> BodyMesh:
+        """What the mesh of a kind of body has of its own."""
+        return self.wheel_mesh if body == "wheel" else self.rail_mesh
 
-    def order_of(self, body: Role) -> int:
-        """Order of the elements of a kind of body."""
-        return (self.wheel_order if body == "wheel" else self.rail_order) or self.order
-
-    def size_of(self, body: Role) -> float:
-        """Size of the triangles of a kind of body where it can touch, in mm."""
-        sizes, order = {"wheel": self.wheel_contact_size_mm, "rail": self.rail_contact_size_mm}, self.order_of(body)
-        is_primary = (body == "wheel") == (self.primary == "wheel")
-        locks = is_primary and order > 1 and self.pairing == "node-to-segment" and not any(sizes.values())
-        return (sizes[body] or self.contact_size_mm * (PRIMARY_SIZE_RATIO if locks else 1.0)) * self.size_scale * order
-
-    def element_of(self, body: Role) -> Element:
-        """Element of all cells of a kind of body."""
-        order = self.order_of(body)
-        return Lagrange(order) if self.method_of(body) == "fem" else Virtual(order, self.stabilisation)
-
+    @property
     def pairing_law(self) -> NodeToSegment | SegmentToSegment:
         """How the surfaces are compared."""
         return NodeToSegment() if self.pairing == "node-to-segment" else SegmentToSegment(depth=DEPTH_MM)
@@ -210,76 +154,179 @@ class Discretisation:
         return Multiplier()
 
 
-# --- What a wheelset computation is about: bodies, loads and what is prescribed.
+WheelRailContact: TypeAlias = Annotated[Spatial | Plane, Field(discriminator="kind")]
+"""How wheels and rails touch."""
+
+NOT_IN_A_PLANE = ("track.support", "wheelset.section", "wheelset.axle", "position.yaw_mrad", "rolling")
+"""Inputs that only three dimensions have."""
 
 
-@dataclass(frozen=True)
-class Prescribed:
-    """Components of the wheelset's motion that are given, axes of the track; None: found by balance.
+class WheelsetOnTrack(Record):
+    """Profiles, measures, load and material of a wheelset on two rails."""
 
-    What holds them acts at the middle of the axle.
+    track: Track = Track()
+    """the two rails"""
+    wheelset: WheelPair = WheelPair()
+    """the two wheels and their axle"""
+    load: Load = Load()
+    """weight, lateral force or curve"""
+    material: YieldingSteel = YieldingSteel()
+    """steel of wheels and rails"""
 
-    - `lateral_mm`, `vertical_mm`, `roll_rad`: as in `WheelsetPosition`.
-    """
+    @cached_property
+    def forces(self) -> WheelsetLoad:
+        """Weight, lateral force and tilt of the track."""
+        return self.load.forces(self.track.base_mm)
 
-    lateral_mm: float | None = None
-    vertical_mm: float | None = None
-    roll_rad: float | None = None
-
-    def __post_init__(self) -> None:
-        for component in fields(self):
-            value = getattr(self, component.name)
-            if value is not None:
-                check_finite("Prescribed", component.name, value, advice="leave it out to find it")
+    @cached_property
+    def wheels(self) -> WheelPair:
+        """The wheels with their distance; an `InputError` if it follows from no gauge, or they do not fit the rails."""
+        wheels = self.wheelset.on(self.track)
+        refuse_misfit(self.track, wheels)
+        return wheels
 
     @property
-    def components(self) -> tuple[float | None, float | None, float | None]:
-        """Lateral and vertical motion and roll."""
-        return self.lateral_mm, self.vertical_mm, self.roll_rad
+    def has_alike_sides(self) -> bool:
+        """Whether left and right are mirror images of each other, but for the load."""
+        return self.track.is_symmetric and self.wheelset.is_symmetric
 
 
-@dataclass(frozen=True)
-class WheelsetProblem:
-    """A wheelset on a track under a load.
+class WheelsetProblem(WheelsetOnTrack):
+    """A wheelset on a track under a load: all that its solution depends on."""
 
-    - `thickness_mm`: length of the bodies along the track.
-    - `discretisation`: how the bodies are meshed and joined.
-    - `wheel_material`, `rail_material`: where it differs from `material`.
-    - `prescribed`: components of the motion that are given instead of found.
-    - `yield_MPa`: yield strength above which a warning says that the bodies would yield; None: that of rail steel, for
-      steel.
-    """
+    position: Position = Position()
+    """components of the position that are prescribed"""
+    rolling: RollingMotion | None = None
+    """steady rolling with friction (default: contact without friction)"""
+    contact: WheelRailContact = Spatial()
+    """how wheels and rails touch"""
+    mesh: Mesh = Mesh()
+    """elements of the bodies"""
 
-    track: Track
-    wheelset: Wheelset
-    load: WheelsetLoad
-    material: Elastic
-    thickness_mm: float = 10.0
-    discretisation: Discretisation = field(default_factory=Discretisation)
-    wheel_material: Elastic | None = None
-    rail_material: Elastic | None = None
-    prescribed: Prescribed = field(default_factory=Prescribed)
-    yield_MPa: float | None = None  # noqa: N815 (the unit megapascal)
+    @model_validator(mode="after")
+    def _goes_together(self) -> "WheelsetProblem":
+        weight = {"axle_load_kN", "car"} & self.load.model_fields_set
+        if self.position.vertical_mm is not None and weight:
+            raise refused_by_check(
+                f"position.vertical_mm with load.{' and load.'.join(weight)}",
+                "the load, or the vertical position, from which the force follows",
+                "leave one of them out",
+            )
+        if isinstance(self.contact, Plane):
+            self._refuse_without_effect()
+        elif self.rolling is not None:
+            speeds = self.rolling.speed_km_h, None if self.load.curve is None else self.load.curve.speed_km_h
+            if not any(speeds) or None not in speeds:
+                raise refused_by_check(
+                    f"rolling with {'no speed' if not any(speeds) else 'a speed of its own in a curve'}",
+                    "one speed: rolling.speed_km_h on straight track, load.curve.speed_km_h in a curve",
+                    "give one of them",
+                )
+        _ = self.forces
+        return self
 
-    def __post_init__(self) -> None:
-        """Refuse wrong numbers, and a wheelset that does not fit its track."""
-        check_positive("WheelsetProblem", "thickness_mm", self.thickness_mm, "a positive length", "give it in mm")
-        if self.yield_MPa is not None:
-            check_positive("WheelsetProblem", "yield_MPa", self.yield_MPa, advice="leave it out")
-        refuse_misfit(self.track, self.wheelset)
+    def _refuse_without_effect(self) -> None:
+        for path in NOT_IN_A_PLANE:
+            value: Any = self
+            for name in path.split("."):
+                there, value = value, getattr(value, name)
+            if value != type(there).model_fields[name].default:
+                raise refused_by_check(
+                    f"{path} with contact.kind = plane", "what a slice of wheel and rail has", f"leave {path} out"
+                )
+
+    @property
+    def bodies(self) -> tuple[Record, ...]:
+        """What the elastic bodies depend on: of the problem all but position, load and rolling."""
+        return self.track, self.wheelset, self.material, self.contact, self.mesh
+
+    # --- What of it is in three dimensions.
+
+    @property
+    def patch_cells(self) -> int:
+        """Cells across each contact patch, and along it."""
+        return self.contact.patch_cells if isinstance(self.contact, Spatial) else PATCH_CELLS
+
+    @property
+    def friction(self) -> RollingMotion | None:
+        """How it rolls with friction; None without."""
+        rolls = self.rolling is not None and any(self.friction_of(side) > 0.0 for side in SIDES)
+        return self.rolling if rolls else None
+
+    def friction_of(self, side: Side) -> float:
+        """Static coefficient of friction on the tread of a side; 0 without rolling."""
+        if self.rolling is None:
+            return 0.0
+        own = self.track.side(side).friction
+        return self.rolling.coefficient if own is None else own
+
+    @property
+    def speed_m_s(self) -> float:
+        """Speed of the axle's middle along the track; 0 where it stands."""
+        curve = None if self.load.curve is None else self.load.curve.speed_km_h
+        own = None if self.rolling is None else self.rolling.speed_km_h
+        return (own or curve or 0.0) / 3.6
+
+    @property
+    def turning_rad_s(self) -> float:
+        """Yaw rate in space of a wheelset that rolls, counter-clockwise from above."""
+        own = 0.0 if self.rolling is None else 1e-3 * self.rolling.yaw_rate_mrad_per_s
+        return own + (0.0 if self.load.curve is None else self.speed_m_s / self.load.curve.radius_m)
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether left and right are mirror images of each other: profiles, load and motion."""
+        rolling = self.rolling
+        straight = rolling is None or not (
+            self.load.curve or rolling.yaw_rate_mrad_per_s or rolling.lateral_velocity_mm_per_s
+        )
+        return self.has_alike_sides and straight and self.forces.is_symmetric and not self.position.yaw_mrad
+
+    # --- Elements and materials.
+
+    @property
+    def plane(self) -> Plane:
+        """Settings of a slice; those by default of three dimensions."""
+        return self.contact if isinstance(self.contact, Plane) else Plane()
 
     def material_of(self, body: Role) -> Elastic:
         """Material of a kind of body."""
-        return (self.wheel_material if body == "wheel" else self.rail_material) or self.material
+        own = self.plane.wheel_material if body == "wheel" else self.plane.rail_material
+        return (own or self.material).elastic
+
+    def method_of(self, body: Role) -> Method:
+        """Method of a kind of body."""
+        return self.plane.mesh_of(body).method or self.mesh.method
+
+    def order_of(self, body: Role) -> int:
+        """Order of the elements of a kind of body."""
+        return self.plane.mesh_of(body).order or self.mesh.order
+
+    def size_of(self, body: Role) -> float:
+        """Size of the triangles of a kind of body where it can touch in the plane, in mm.
+
+        For order 2 twice that for order 1, with nodes as far apart.
+        """
+        plane, order = self.plane, self.order_of(body)
+        own = plane.mesh_of(body).contact_size_mm
+        is_primary = (body == "wheel") == (plane.primary == "wheel")
+        sizes = plane.wheel_mesh.contact_size_mm or plane.rail_mesh.contact_size_mm
+        locks = is_primary and order > 1 and plane.pairing == "node-to-segment" and not sizes
+        return (own or plane.contact_size_mm * (PRIMARY_SIZE_RATIO if locks else 1.0)) * self.mesh.size_scale * order
+
+    def element_of(self, body: Role) -> Element:
+        """Element of all cells of a kind of body."""
+        order = self.order_of(body)
+        trace = TraceStabilisation() if self.mesh.stabilisation == "trace" else None
+        return Lagrange(order) if self.method_of(body) == "fem" else Virtual(order, trace)
 
     @property
     def primary(self) -> tuple[Role, str]:
-        """Which bodies give the segments of contact, and why."""
-        settings = self.discretisation
-        if settings.primary != "auto":
-            return settings.primary, "chosen by the user"
-        spacing = {body: settings.size_of(body) / settings.order_of(body) for body in ("wheel", "rail")}
-        stiffness = {body: self.material_of(body).plane_modulus for body in ("wheel", "rail")}
+        """Which bodies give the segments of contact in the plane, and why."""
+        if self.plane.primary != "auto":
+            return self.plane.primary, "chosen by the user"
+        spacing = {body: self.size_of(body) / self.order_of(body) for body in ROLES}
+        stiffness = {body: self.material_of(body).plane_modulus for body in ROLES}
         for values, why in (
             (spacing, "its nodes are farther apart: the finer surface gives the nodes"),
             (stiffness, "it is the stiffer body"),
@@ -287,3 +334,20 @@ class WheelsetProblem:
             if not math.isclose(values["wheel"], values["rail"], rel_tol=0.05):
                 return "wheel" if values["wheel"] > values["rail"] else "rail", why
         return "rail", "meshes and materials are alike, and the rail is the body that is held"
+
+    def mirrored(self) -> "WheelsetProblem":
+        """The problem as a mirror in the middle of the track shows it: right is left, with equal sides."""
+        load, position, rolling = self.load, self.position, self.rolling
+        load = load.replaced(**_reversed(load, "lateral_force_kN", "superelevation_mm", "offset_mm"))
+        if load.curve is not None:
+            load = load.replaced(curve=_reversed(load.curve, "radius_m"))
+        position = position.replaced(**_reversed(position, "lateral_mm", "roll_rad", "yaw_mrad"))
+        if rolling is not None:
+            rolling = rolling.replaced(**_reversed(rolling, "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"))
+        return self.replaced(load=load, position=position, rolling=rolling)
+
+
+def _reversed(record: Record, *names: str) -> dict[str, float]:
+    """Inputs that are written with the other sign."""
+    values = {name: getattr(record, name) for name in names if name in record.model_fields_set}
+    return {name: 0.0 - value for name, value in values.items() if value is not None}

@@ -71,14 +71,15 @@ def load_on_axle(problem: WheelsetProblem, roll: float) -> Floats:
 
     It acts at the centre of gravity: to the right in the track's plane, and onto it.
     """
-    (along, onto), height = problem.load.in_track, problem.wheelset.centre_of_gravity_height_mm
-    return np.array([along, -onto, height * (np.sin(roll) * onto - np.cos(roll) * along)])
+    load, (along, onto), sine, cosine = problem.forces, problem.forces.in_track, np.sin(roll), np.cos(roll)
+    moment = load.height_mm * (sine * onto - cosine * along) - load.offset_mm * (cosine * onto + sine * along)
+    return np.array([along, -onto, moment])
 
 
 def moment_by_roll(problem: WheelsetProblem, roll: float) -> float:
     """Derivative of that moment by the roll."""
-    (along, onto), height = problem.load.in_track, problem.wheelset.centre_of_gravity_height_mm
-    return height * float(np.cos(roll) * onto + np.sin(roll) * along)
+    load, (along, onto), sine, cosine = problem.forces, problem.forces.in_track, np.sin(roll), np.cos(roll)
+    return float(load.height_mm * (cosine * onto + sine * along) + load.offset_mm * (sine * onto - cosine * along))
 
 
 @dataclass(frozen=True)
@@ -115,10 +116,10 @@ def with_loads(
     problem: WheelsetProblem, position: WheelsetPosition, on_axle: Floats
 ) -> tuple[Floats, RelativeResiduals]:
     """Residual and relative residuals by the contact's force on the wheels and moment about the axle's middle (3,)."""
-    weight, arm = problem.load.vertical_N, problem.wheelset.back_to_back_mm / 2.0
+    weight, arm = problem.forces.vertical_N, problem.wheels.distance_mm / 2.0
     residual: Floats = on_axle + load_on_axle(problem, position.roll_rad)
     lateral, vertical, moment = residual / (LATERAL_REFERENCE_N, weight, weight * arm)
-    free = tuple(value is None for value in problem.prescribed.components)
+    free = tuple(value is None for value in problem.position.components)
     return residual, RelativeResiduals(float(vertical), float(lateral), float(moment), (free[0], free[1], free[2]))
 
 
@@ -129,7 +130,7 @@ def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
     - `jacobian`: derivatives of the residual at the equilibrium.
     """
     # in units of one length, so that the roll has the weight of the translations
-    scale = np.diag([1.0, 1.0, 1.0 / problem.wheelset.back_to_back_mm])
+    scale = np.diag([1.0, 1.0, 1.0 / problem.wheels.distance_mm])
     stiffness = -scale @ jacobian @ scale
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0)
 

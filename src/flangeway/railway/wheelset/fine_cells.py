@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from flangeway.contact.patch.patch_grid import PatchGrid, pairs_of, separate_patches
-from flangeway.railway.wheelset.running_surfaces import PATCH_CELLS
+from flangeway.railway.track.wheelset_problem import PATCH_CELLS
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState
 from flangeway.types import Bools, Floats, Ints
 

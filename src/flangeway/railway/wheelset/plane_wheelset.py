@@ -68,7 +68,7 @@ class PlaneWheelset:
         another load.
         """
         model = self.model
-        prescribed = model.problem.prescribed.components
+        prescribed = model.problem.position.components
         begin = model.rigid_position if before is None else before.position
         begin = WheelsetPosition(
             *(now if given is None else given for now, given in zip(begin.components, prescribed, strict=True))
@@ -100,27 +100,26 @@ class PlaneWheelset:
     def _axle(self, position: WheelsetPosition) -> Handle | None:
         """The handle of both wheels at a position; None where all of it is prescribed."""
         model, problem = self.model, self.model.problem
-        lateral, vertical, roll = (value is None for value in problem.prescribed.components)
+        lateral, vertical, roll = (value is None for value in problem.position.components)
         if not (lateral or vertical or roll):
             return None
-        along, onto = problem.load.in_track
+        along, onto = problem.forces.in_track
         wheels = tuple(part for part, moves in zip(model.system.parts, model.moving, strict=True) if moves)
-        axle, centre_of_gravity = position.axle(problem.wheelset), position.centre_of_gravity(problem.wheelset)
+        axle = np.array(position.axle(problem.wheels))
+        centre_of_gravity = axle + problem.forces.centre_of_gravity(position.roll_rad)
         load = np.array([along, -onto, 0.0])
-        return Handle(
-            wheels, np.array(axle), np.eye(2)[[lateral, vertical]], roll, load, load_point=np.array(centre_of_gravity)
-        )
+        return Handle(wheels, axle, np.eye(2)[[lateral, vertical]], roll, load, load_point=centre_of_gravity)
 
     def _moved(self, begin: WheelsetPosition, motion: Placement) -> WheelsetPosition:
         """Position of the wheelset after a motion in space from a position."""
-        axle = np.array(begin.axle(self.model.problem.wheelset))
+        axle = np.array(begin.axle(self.model.problem.wheels))
         x, y = (motion.points([axle])[0] - axle).tolist()
         return begin.moved(WheelsetPosition(x, y, motion.rotation_rad))
 
     def _on_axle(self, position: WheelsetPosition, state: ContactState) -> Floats:
         """Contact forces on the wheels, and their moment about the axle's middle, axes of the track, shape (3,)."""
         forces = np.where(self.model.moving[self.response.body_of_node][:, None], state.nodal_forces, 0.0)
-        arms = state.positions - position.axle(self.model.problem.wheelset)
+        arms = state.positions - position.axle(self.model.problem.wheels)
         moment = float(arms[:, 0] @ forces[:, 1] - arms[:, 1] @ forces[:, 0])
         return np.array([*forces.sum(axis=0), moment])
 
@@ -165,7 +164,7 @@ class WheelsetResult:
     @property
     def position_in_space(self) -> WheelsetPosition:
         """The position along horizontal and vertical."""
-        return self.equilibrium.position.turned(self.model.problem.load.tilt_rad)
+        return self.equilibrium.position.turned(self.model.problem.forces.tilt_rad)
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
         """Contact force on the wheel of a side, axes of the track, shape (2,)."""
@@ -329,7 +328,7 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
     if body == "rail":
         return problem.track.rail_of(patch.side).running_surface, patch.rail_point_mm
     if body == "wheel":
-        return problem.wheelset.wheel_of(patch.side).running_surface, patch.wheel_point_mm
+        return problem.wheels.wheel_of(patch.side).running_surface, patch.wheel_point_mm
     raise InputError(
         f"stresses_below(body={short(body)})", "'wheel' or 'rail'", "name one of the two bodies in contact"
     )

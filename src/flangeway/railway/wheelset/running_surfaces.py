@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -15,12 +15,12 @@ from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
 from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.supports import Continuous, Sleepers, Support, WheelSection, WholeSection
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.side_contact import SideSurfaces
-from flangeway.railway.wheelset.supported_rail import RailSupport, rail_problem, sleeper_compliance, supported_rail
+from flangeway.railway.wheelset.supported_rail import rail_problem, sleeper_compliance, supported_rail
 from flangeway.railway.wheelset.wheelset_model import SUPPORT, mesh_profile
-from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, wheel_correction, whole_wheel
+from flangeway.railway.wheelset.whole_wheel import wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, cached
@@ -28,8 +28,6 @@ from flangeway.types import Floats
 
 CELL_MM = 2.0
 """Width of the cells on which the compliance is tabulated; half of it changes no pressure by more than 0.1 %."""
-PATCH_CELLS = 26
-"""Cells across a patch, and along it."""
 EDGE_MM = 0.5
 """Length of the mesh's edges there for order 1, twice that for order 2."""
 BODY_MM = 6.0
@@ -43,33 +41,12 @@ SAMPLED_MM, ON_CURVE_MM = 0.02, 0.01
 """Distance of points of a curve near which corners of a mesh are sought, and their distance from it."""
 
 
-@dataclass(frozen=True)
-class SpatialModel:
-    """What a wheelset in three dimensions has beyond the plane one.
-
-    - `support`: what the rails stand on; None: their bases are fixed.
-    - `disc`: web and hub of the wheels, which are held at the bore; None: the rims are held at their cuts.
-    - `axle`: how it bends; None: it is rigid.
-    - `yaw_rad`: yaw of the axle, counter-clockwise seen from above: the right wheel is ahead.
-    - `rolling`: how it rolls; None: without friction.
-    - `patch_cells`: cells across a patch, and along it.
-    """
-
-    support: RailSupport | None = field(default_factory=RailSupport)
-    disc: WheelDisc | None = None
-    axle: Axle | None = field(default_factory=Axle)
-    yaw_rad: float = 0.0
-    rolling: RollingMotion | None = None
-    patch_cells: int = PATCH_CELLS
-
-
 ElasticBodies: TypeAlias = dict[tuple[object, ...], tuple[ElasticSurface, Floats]]
 """Compliance of bodies, and corners of their meshes, by the profile and what else they depend on."""
 
 
 def running_surfaces(
     problem: WheelsetProblem,
-    model: SpatialModel,
     *,
     cache: Cache | None = None,
     progress: Callable[[str], None] = lambda _: None,
@@ -79,19 +56,20 @@ def running_surfaces(
 
     - `done`: bodies that are ready, to which new ones are added.
     """
-    done, given = {} if done is None else done, (problem.discretisation, model.support, model.disc)
+    done = {} if done is None else done
     surfaces: dict[Side, SideSurfaces] = {}
-    alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
+    alike = problem.has_alike_sides
     for side in SIDES[:1] if alike else SIDES:
-        curves = RigidSide.of(problem.track, problem.wheelset, side)
+        curves = RigidSide.of(problem.track, problem.wheels, side)
         rail, bodies = problem.track.rail_of(side), []
-        for profile, radius, material in (
-            (problem.wheelset.wheel_of(side), problem.wheelset.tape_radius_of(side), problem.material_of("wheel")),
-            (rail, 0.0, problem.material_of("rail")),
+        wheel, support = problem.wheels.wheel_of(side), problem.track.support_of(side)
+        for profile, radius, held, material in (
+            (wheel, problem.wheels.tape_radius_of(side), problem.wheels.section, problem.material_of("wheel")),
+            (rail, 0.0, support, problem.material_of("rail")),
         ):
-            key = profile, radius, material, *given
+            key = profile, radius, material, held, problem.mesh
             if key not in done:
-                done[key] = _elastic(problem, model, profile, radius, cache, progress)
+                done[key] = _elastic(problem, profile, radius, held, cache, progress)
             bodies.append(done[key])
         (wheel_elastic, on_wheel_mesh), (rail_elastic, on_rail_mesh) = bodies
         on_rail = RigidCurve.from_contour(rail.running_surface, curves.rail_frame, WALL_RAD)
@@ -111,48 +89,47 @@ def running_surfaces(
 
 def _elastic(
     problem: WheelsetProblem,
-    model: SpatialModel,
     profile: WheelProfile | RailProfile,
     radius_mm: float,
+    held: Support | WheelSection,
     cache: Cache | None,
     progress: Callable[[str], None],
 ) -> tuple[ElasticSurface, Floats]:
     """Compliance of a wheel of a radius or of a rail, and corners of its mesh along the running surface, (n, 2)."""
-    cells = running_cells(problem, model, profile, cache)
-    surface, support, disc = elastic_surface(cells, cache=cache, progress=progress), model.support, model.disc
+    cells = running_cells(problem, profile, held, cache)
+    surface = elastic_surface(cells, cache=cache, progress=progress)
     if isinstance(profile, WheelProfile):
-        if disc is not None:
+        if isinstance(held, WholeSection):
             progress("harmonics of the whole wheel")
-            surface = surface.plus(wheel_correction(whole_wheel(profile, radius_mm, disc), radius_mm, cells, cache))
-    elif support is not None and support.kind != "continuous":
+            surface = surface.plus(wheel_correction(whole_wheel(profile, radius_mm, held), radius_mm, cells, cache))
+    elif isinstance(held, Sleepers):
         material = problem.material_of("rail")
 
         def make() -> dict[str, Floats]:
             progress("sleepers")
-            rail = supported_rail(profile, material, support, cache=cache)
+            rail = supported_rail(profile, material, held, cache=cache)
             return {"added": sleeper_compliance(rail, surface.points, surface.frames)}
 
-        content = profile.outline.segments, material, support, surface.points, surface.frames
+        content = profile.outline.segments, material, held, surface.points, surface.frames
         surface = surface.plus(cached(cache, make, "sleepers", *content)["added"])
     return surface, cells.chain
 
 
 def running_cells(
-    problem: WheelsetProblem, model: SpatialModel, profile: WheelProfile | RailProfile, cache: Cache | None
+    problem: WheelsetProblem, profile: WheelProfile | RailProfile, held: Support | WheelSection, cache: Cache | None
 ) -> SurfaceCells:
-    """Even cells along the running surface of a wheel or a rail on its support, spread along z."""
+    """Even cells along the running surface of a wheel's rim or a rail on its support, spread along z."""
     role: Role = "wheel" if isinstance(profile, WheelProfile) else "rail"
-    settings, material = problem.discretisation, problem.material_of(role)
-    order = settings.order_of(role)
-    surface, edge_mm = profile.outline.part(profile.running_names), EDGE_MM * order * settings.size_scale
+    material, order, scale = problem.material_of(role), problem.order_of(role), problem.mesh.size_scale
+    surface, edge_mm = profile.outline.part(profile.running_names), EDGE_MM * order * scale
     # edges are short along the running surface
     fine = Refinement(surface.sampled(spacing=EDGE_MM), edge_mm, GROWTH * order)
-    mesh = mesh_profile(problem, role, profile, BODY_MM * order * settings.size_scale, fine, cache)
-    space = Space(mesh, settings.element_of(role))
-    if role == "wheel" or model.support is None:
-        body = Harmonic(Elasticity(space, material, name=role), held={SUPPORT: "xyz"})
+    mesh = mesh_profile(problem, role, profile, BODY_MM * order * scale, fine, cache)
+    space = Space(mesh, problem.element_of(role))
+    if isinstance(held, Sleepers | Continuous):
+        body = rail_problem(space, material, SUPPORT, held)
     else:
-        body = rail_problem(space, material, SUPPORT, model.support)
+        body = Harmonic(Elasticity(space, material, name=role), held={SUPPORT: "xyz"})
     chain = mesh.chain(*profile.running_names).astype(np.int64)
     cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
     length = float(cells.limits[-1])

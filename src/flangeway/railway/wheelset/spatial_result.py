@@ -23,10 +23,11 @@ from flangeway.railway.track.placements import (
     WheelsetPosition,
     lateral_over_vertical,
 )
+from flangeway.railway.track.supports import Fixed
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
-from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
@@ -122,22 +123,22 @@ class SpatialResult:
 
     @cached_property
     def rails(self) -> dict[Side, RailAlongTrack]:
-        """Both rails along the track under these contact forces, empty if their bases are fixed."""
-        support, track = self.wheelset.model.support, self.problem.track
-        if support is None:
-            return {}
-        rails_by_side, sides = dict[Side, RailAlongTrack](), self.equilibrium.state.sides
-        for profile in {id(profile): profile for profile in map(track.rail_of, SIDES)}.values():
+        """Rails along the track under these contact forces; without those whose bases are fixed."""
+        track, sides, rails_by_side = self.problem.track, self.equilibrium.state.sides, dict[Side, RailAlongTrack]()
+        for side in SIDES:
+            profile, support = track.rail_of(side), track.support_of(side)
+            if side in rails_by_side or isinstance(support, Fixed):
+                continue
             rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
-            alike = [side for side in SIDES if track.rail_of(side) is profile]
-            rails = rails_along_track(rail, profile, [_on_rail(sides[side]) for side in alike])
-            rails_by_side |= dict(zip(alike, rails, strict=True))
+            same = [other for other in SIDES if track.rail_of(other) is profile and track.support_of(other) == support]
+            rails = rails_along_track(rail, profile, [_on_rail(sides[other]) for other in same])
+            rails_by_side |= dict(zip(same, rails, strict=True))
         return rails_by_side
 
     @property
     def position_in_space(self) -> WheelsetPosition:
         """The position along horizontal and vertical."""
-        return self.equilibrium.position.turned(self.problem.load.tilt_rad)
+        return self.equilibrium.position.turned(self.problem.forces.tilt_rad)
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
         """Contact force on the wheel of a side with creep forces, axes of the track, shape (2,)."""
@@ -162,19 +163,19 @@ class SpatialResult:
         if not conicity > 0.0:
             return None
         distance = problem.track.gauge_mm + RUNNING_CIRCLES_MM
-        return float(klingel_wavelength(conicity, distance, problem.wheelset.tape_radius_mm))
+        return float(klingel_wavelength(conicity, distance, problem.wheels.tape_radius_mm))
 
     def nadal_limit(self, side: Side) -> float:
         """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest angle d of a wheel's flange.
 
         mu is the static coefficient of friction there. nan without friction.
         """
-        motion = self.wheelset.model.rolling
-        if motion is None:
+        rolling = self.problem.friction
+        if rolling is None:
             return float("nan")
-        slope = float(np.tan(flange_angle_rad(self.problem.wheelset.wheel_of(side).running_surface)))
-        given = motion.friction.limits[0].max() if motion.flange_friction is None else motion.flange_friction
-        friction = float(given)
+        slope = float(np.tan(flange_angle_rad(self.problem.wheels.wheel_of(side).running_surface)))
+        own = rolling.flange_friction
+        friction = self.problem.friction_of(side) if own is None else own
         return (slope - friction) / (1.0 + friction * slope)
 
     def flange_touches(self, side: Side) -> bool:
@@ -208,23 +209,20 @@ def _on_rail(state: SideState) -> LoadedRail:
 
 def solve_spatial(
     problem: WheelsetProblem,
-    model: SpatialModel | None = None,
     *,
     cold: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> SpatialResult:
     """Find a wheelset's equilibrium in three dimensions, and its patches.
 
-    - `model`: supports, axle and yaw; those by default if left out.
     - `cold`: compute everything anew, without the user's cache.
     """
     timings: dict[str, float] = {}
     start = time.perf_counter()
-    model = SpatialModel() if model is None else model
     cache = None if cold else Cache.of_user()
-    rigid = SpatialWheelset(problem, {}, model)
+    rigid = SpatialWheelset(problem, {})
     _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
-    surfaces = running_surfaces(problem, model, cache=cache, progress=progress)
+    surfaces = running_surfaces(problem, cache=cache, progress=progress)
     timings["compliance"] = time.perf_counter() - start
     return replace(solve_position(rigid.on(surfaces), timings, progress), cache=cache)
 
@@ -256,7 +254,7 @@ def solve_position(
         for patch in patches
         if patch.remark
     ]
-    lateral, position = problem.prescribed.lateral_mm, equilibrium.position
+    lateral, position = problem.position.lateral_mm, equilibrium.position
     rise = wheelset.rise(position)
     # where rigid wheels stand at the lateral position, what is not balanced says more
     beyond = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) > RIGID_MM
@@ -290,13 +288,12 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
     Its mirror image and the middle are equilibria by symmetry; whether it leaves the middle is computed beside it.
     """
     wheelset, lateral = result.wheelset, result.equilibrium.position.lateral_mm
-    problem, model = wheelset.problem, wheelset.model
-    free = problem.prescribed.lateral_mm is None and problem.prescribed.roll_rad is None
-    if not (result.status.converged and free and wheelset.is_symmetric and abs(lateral) > BESIDE_MM):
+    problem = wheelset.problem
+    free = problem.position.lateral_mm is None and problem.position.roll_rad is None
+    if not (result.status.converged and free and problem.is_symmetric and abs(lateral) > BESIDE_MM):
         return []
     near = 0.1 * lateral
-    prescribed = replace(problem.prescribed, lateral_mm=near)
-    beside = solve_position(wheelset.at(problem.load, prescribed, model.yaw_rad, model.rolling), {})
+    beside = solve_position(wheelset.at(problem.replaced(position={"lateral_mm": near})), {})
     force = math.copysign(1.0, lateral) * sum(float(beside.force_on_wheel_N(side)[0]) for side in SIDES)
     words = (
         f"the wheelset stands {abs(lateral):.2f} mm beside the middle of the track, though both sides are alike: "
@@ -313,8 +310,8 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
 
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
     """Patches with their creep forces."""
-    motion, rolled, rolled_patches = wheelset.model.rolling, state.rolled, []
-    if motion is None or rolled is None:
+    rolled, rolled_patches = state.rolled, []
+    if rolled is None:
         return ()
     for patch in patches:
         most = max(rolled.creep[patch.side].patches, key=lambda creep: int((creep.inside & patch.ellipse.inside).sum()))
@@ -325,7 +322,7 @@ def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[Spati
                     patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
                 )
                 contact = forces.contact
-            rolled_patches.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
+            rolled_patches.append(RollingPatch(patch, forces, contact, wheelset.problem.speed_m_s))
     return tuple(rolled_patches)
 
 

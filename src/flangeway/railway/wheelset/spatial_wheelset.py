@@ -11,12 +11,12 @@ from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
+from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
+from flangeway.railway.track.supports import ElasticAxle
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion, on_gauge_face
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
-from flangeway.railway.wheelset.running_surfaces import SpatialModel
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
@@ -105,20 +105,15 @@ class SpatialWheelset:
     """A wheelset whose running surfaces are ready: each further position needs only its contact.
 
     - `surfaces`: of each side.
-    - `model`: supports, axle and yaw.
     """
 
     problem: WheelsetProblem
     surfaces: Mapping[Side, SideSurfaces]
-    model: SpatialModel
     _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
 
-    def at(
-        self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float, rolling: RollingMotion | None = None
-    ) -> "SpatialWheelset":
+    def at(self, problem: WheelsetProblem) -> "SpatialWheelset":
         """The same bodies under another load, elsewhere, rolling in another way; rigid geometries are shared."""
-        problem = replace(self.problem, load=load, prescribed=prescribed)
-        return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad, rolling=rolling))
+        return replace(self, problem=problem)
 
     def on(self, surfaces: Mapping[Side, SideSurfaces]) -> "SpatialWheelset":
         """The same wheelset with its running surfaces; its rigid equilibrium is kept."""
@@ -129,9 +124,9 @@ class SpatialWheelset:
     @property
     def geometry(self) -> RigidGeometry:
         """Rigid geometry of the wheelset on its track."""
-        yaw = self.model.yaw_rad
+        yaw = self.problem.position.yaw_rad
         if yaw not in self._geometries:
-            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheelset, yaw)
+            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheels, yaw)
         return self._geometries[yaw]
 
     @cached_property
@@ -152,29 +147,27 @@ class SpatialWheelset:
         if near is not None:
             return self._rolling(near.position, self._touching(near), near.rate_rad_s, progress)
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
-        kept = None, *self.problem.prescribed.components[1:]  # the wheelset is moved to a lateral position
+        kept = None, *self.problem.position.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        grids, yaw, tilts = self.whole(position, None, {}), self.model.yaw_rad, self._tilts_by_forces
-        newton = WheelsetNewton(self.problem, grids, position, yaw, tilts, None, None)
-        motion = self.model.rolling
-        if motion is None:
-            return self._search(newton, _Cells(self, position, ((self.model.patch_cells, FINE_RESIDUAL),)), progress)
+        grids, tilts = self.whole(position, None, {}), self._tilts_by_forces
+        newton = WheelsetNewton(self.problem, grids, position, tilts, None, None)
+        if self.problem.friction is None:
+            return self._search(newton, _Cells(self, position, ((self.problem.patch_cells, FINE_RESIDUAL),)), progress)
         free = self._search(newton, _Cells(self, position, ()), progress)
-        return self._rolling(free.position, free.state, rate_of(motion, free.state.sides), progress)
+        return self._rolling(free.position, free.state, rate_of(self.problem, free.state.sides), progress)
 
     def _rolling(
         self, position: WheelsetPosition, state: SpatialState, rate: float, progress: Callable[[str], None]
     ) -> Equilibrium[SpatialState]:
         """Equilibrium with friction from a contact on coarse cells."""
-        motion, across = self.model.rolling, self.model.patch_cells
-        assert motion is not None
-        last = FINE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+        rolling, across = self.problem.friction, self.problem.patch_cells
+        assert rolling is not None
+        last = FINE_RESIDUAL if rolling.theory == "exact" else FAST_RESIDUAL
         stages = (round(COARSER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
         grids, _ = cells.fine(state)
-        creep = WheelsetCreep(motion, rate)
-        yaw, tilts = self.model.yaw_rad, self._tilts_by_forces
-        return self._search(WheelsetNewton(self.problem, grids, position, yaw, tilts, state, creep), cells, progress)
+        creep, tilts = WheelsetCreep(self.problem, rate), self._tilts_by_forces
+        return self._search(WheelsetNewton(self.problem, grids, position, tilts, state, creep), cells, progress)
 
     def _touching(self, start: RollingPlace) -> SpatialState:
         """Contact without friction on coarse cells at a place."""
@@ -216,19 +209,8 @@ class SpatialWheelset:
                     newton.place(at_peaks, state)
             if self._is_off(newton, begun):
                 break
-        return replace(
-            equilibrium, status=self._none(equilibrium, None if newton.creep is None else newton.creep.motion)
-        )
-
-    @property
-    def is_symmetric(self) -> bool:
-        """Whether left and right are mirror images of each other: profiles, load and rolling motion."""
-        problem, rolling = self.problem, self.model.rolling
-        straight = rolling is None or not (
-            rolling.curve_radius_m or rolling.yaw_rate_rad_s or rolling.lateral_velocity_m_s
-        )
-        alike = problem.track.is_symmetric and problem.wheelset.is_symmetric
-        return alike and straight and not (problem.load.in_track[0] or self.model.yaw_rad)
+        rolling = None if newton.creep is None else newton.creep.motion
+        return replace(equilibrium, status=self._none(equilibrium, rolling))
 
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the axle is at a position than rigid in the middle of the track, mm."""
@@ -245,9 +227,9 @@ class SpatialWheelset:
         position = newton.position
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
-        lateral, *others = self.problem.prescribed.components
+        lateral, *others = self.problem.position.components
         climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hanging > MAX_HANGING)
-        turns = abs(newton.yaw - newton.guided_yaw) > MAX_TURN_RAD
+        turns = abs(newton.yaw - self.problem.position.yaw_rad) > MAX_TURN_RAD
         return turns or bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
@@ -256,31 +238,31 @@ class SpatialWheelset:
         free = np.array([*residuals.free, True, True])
         errors = np.abs([residuals.lateral_residual, residuals.vertical_residual, residuals.moment_residual,
                          residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
-        force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else 1e-3 * abs(motion.torque_Nm)
+        force, torque_kNm = float(last.residual[0]), 0.0 if motion is None else abs(motion.torque_kNm)
         location = f"where the search ended, {abs(position.lateral_mm):.1f} mm to the {_way(position.lateral_mm)}"
         remedy = "a smaller lateral force, or friction"
         if motion is not None:
-            unguided = motion.yaw_is_free and not motion.yaw_stiffness_Nm_per_rad
+            unguided = motion.yaw_is_free and not motion.yaw_stiffness
             remedy = f"{'a yaw stiffness' if unguided else 'a smaller yaw'}, or less friction"
         if residuals.free[0]:
             advice = f"give lateral_mm to see the forces at a position, {remedy}"
         else:
             advice = "give a lateral_mm nearer to the middle of the track"
             advice += "" if motion is None else f", {remedy}"
-        turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.model.yaw_rad
+        turned = 0.0 if last.state.rolled is None else last.state.rolled.yaw_rad - self.problem.position.yaw_rad
         carried = min(float(side_state.forces.sum()) for side_state in last.state.sides.values())
-        lifted = carried < MIN_CARRIED * self.problem.load.in_track[1] or self.rise(position) > CLIMBED_MM
+        lifted = carried < MIN_CARRIED * self.problem.forces.in_track[1] or self.rise(position) > CLIMBED_MM
         lifted = lifted or any(_is_on_flange(side_state) for side_state in last.state.sides.values())
         if lifted or errors[1:3].max() > LIFTED_RESIDUAL:
             cause = location + ", a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
         elif torque_kNm and (errors.argmax() == TORQUE or errors[TORQUE] > LIFTED_RESIDUAL):
-            unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
+            unit = 1e-6 * self.problem.forces.in_track[1] * self.problem.wheels.tape_radius_mm
             missing = unit * abs(residuals.torque_residual)
             cause = f"friction does not transmit the torque: {missing:.3g} of {torque_kNm:.3g} kN m are left"
             advice = "give a smaller torque, or more friction"
         elif errors.argmax() == YAW_MOMENT or abs(turned) > MAX_TURN_RAD:
-            arm = self.problem.wheelset.back_to_back_mm / 2.0
-            missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.load.vertical_N * arm
+            arm = self.problem.wheels.distance_mm / 2.0
+            missing = 1e-6 * abs(residuals.yaw_residual) * self.problem.forces.vertical_N * arm
             turn = f"turned by {1e3 * abs(turned):.0f} mrad"
             cause = f"{location} and {turn}, a yaw moment of {missing:.1f} kN m is not balanced"
             advice = "give the yaw, or a yaw stiffness that holds it"
@@ -328,7 +310,7 @@ class SpatialWheelset:
         compliance = [
             float(side.rail_elastic.remainder[0, :, 1, :, 1].diagonal().min()) for side in self.surfaces.values()
         ]
-        return min(compliance) * self.problem.load.in_track[1] / 2.0
+        return min(compliance) * self.problem.forces.in_track[1] / 2.0
 
     @cached_property
     def _tilts_by_forces(self) -> Floats:
@@ -337,19 +319,20 @@ class SpatialWheelset:
         By side, tilt and resultant, in the track's axes.
         """
         tilts = np.zeros((2, 2, 3))
-        if self.model.axle is None:
+        axle = self.problem.wheels.axle
+        if not isinstance(axle, ElasticAxle):
             return tilts
-        positions = np.array([self.problem.wheelset.placement(side).translation[0] for side in SIDES])
+        positions = np.array([self.problem.wheels.placement(side).translation[0] for side in SIDES])
         for number, position in enumerate(positions.tolist()):
             for axis, unit in ((1, (1.0, -position)), (2, (0.0, 1.0))):
                 forces = np.zeros((2, 2))
                 forces[number] = unit
-                tilts[number, :, axis] = self.model.axle.tilts(positions, forces)
+                tilts[number, :, axis] = axle.tilts(positions, forces)
         return tilts
 
     def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
         """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
-        cell, strip, yaw = COARSE_MM, COARSE_STRIP_MM, self.model.yaw_rad
+        cell, strip, yaw = COARSE_MM, COARSE_STRIP_MM, self.problem.position.yaw_rad
         if near is not None and near.rolled is not None:
             yaw = near.rolled.yaw_rad
         surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw)
@@ -363,7 +346,7 @@ class SpatialWheelset:
         ends: Floats = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1.0)
         # yaw moves the wheel along the track, and contact on the flange further
         lead = float(pose.axis[2]) * pose.seat_mm
-        reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
+        reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheels.tip_radius_mm
         searched = np.arange(int((lead - reach) / strip), int((lead + reach) / strip) + 1)
         searched = searched[::STRIP_STEP]
         z = strip * searched.astype(np.float64)

@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from flangeway.checks import check_positive, is_finite, refused
 from flangeway.elements import Lagrange, Reconstruction
 from flangeway.elements.quadrature import edge_shapes
 from flangeway.errors import InputError, short
@@ -25,6 +24,7 @@ from flangeway.problems.harmonic import mean_and_rotation
 from flangeway.problems.loads import edge_quadrature
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM
+from flangeway.railway.track.supports import Continuous, Sleepers
 from flangeway.solve.surface_compliance import amplitudes, inverse_weights
 from flangeway.space import CellBatch, Space
 from flangeway.system.disk_cache import Cache, cached
@@ -44,85 +44,7 @@ HEIGHT_TOLERANCE = 1e-6
 """Height of a base, relative to the size of a section, that is round-off."""
 
 
-@dataclass(frozen=True)
-class RailSupport:
-    """Support of a rail in its own frame: each rail seat with its fastening, half of the sleeper and the ballast below.
-
-    A seat acts on the base by pressures that are even, or linear for the moment, across it, against its mean
-    displacement and mean rotation. Along the rail its stiffness is spread out, as it is everywhere if it is continuous.
-
-    Parameters
-    ----------
-    kind
-        ``"sleepers"``, or ``"continuous"``: stiffnesses over the spacing.
-    spacing_mm
-        Distance of the sleepers. 600: usual on main lines (UIC Code 713).
-    vertical_kN_per_mm
-        Stiffness of one seat. 30: pads of 100 on ballast and soil of 43 in series, a track modulus of 50 N/mm^2.
-        Assumed, in the range of 10 to 100 N/mm^2 of ballasted track (Esveld, 2001, "Modern railway track").
-    lateral_kN_per_mm
-        40, assumed with the roll so that the gauge widens by 6.3 mm under 89 kN and 62 kN
-        outwards on each: "typical good track will increase in total gage by as much as 1/4 inch" (49 CFR 213.110, note
-        2 of the table; loads of the measuring car in Thompson et al., Federal Railroad Administration).
-    longitudinal_kN_per_mm
-        10; assumed: a resistance of about 10 kN a seat is reached at 0.5 to 2 mm (UIC Code 774-3).
-    roll_kNm_per_rad
-        Moment about the rail per angle. 300, see `lateral_kN_per_mm`; of this the pad of 100 kN/mm, b = 150 mm wide,
-        gives ``k b^2 / 12`` = 190. The sleeper hardly turns.
-    position
-        Distance of the wheel from the last sleeper over the spacing: 0 over it, 0.5 in the middle, below 1.
-    pad_length_mm
-        Length of the seat along the rail.
-
-    Raises
-    ------
-    InputError
-        If a value is not positive, or out of its range.
-
-    """
-
-    kind: Literal["sleepers", "continuous"] = "sleepers"
-    spacing_mm: float = 600.0
-    vertical_kN_per_mm: float = 30.0  # noqa: N815 (units)
-    lateral_kN_per_mm: float = 40.0  # noqa: N815
-    longitudinal_kN_per_mm: float = 10.0  # noqa: N815
-    roll_kNm_per_rad: float = 300.0  # noqa: N815
-    position: float = 0.0
-    pad_length_mm: float = 150.0
-
-    def __post_init__(self) -> None:
-        owner = "RailSupport"
-        if self.kind not in ("sleepers", "continuous"):
-            raise refused(owner, "kind", self.kind, "'sleepers' or 'continuous'", "choose one of these")
-        for name in ("spacing_mm", "vertical_kN_per_mm", "lateral_kN_per_mm", "longitudinal_kN_per_mm"):
-            check_positive(owner, name, getattr(self, name), advice="a rail needs support along all axes")
-        check_positive(owner, "roll_kNm_per_rad", self.roll_kNm_per_rad, advice="a rail needs support against roll")
-        check_positive(owner, "pad_length_mm", self.pad_length_mm)
-        if self.pad_length_mm > self.spacing_mm:
-            raise refused(owner, "pad_length_mm", self.pad_length_mm, "at most spacing_mm", "shorten the pads")
-        if not (is_finite(self.position) and 0.0 <= self.position < 1.0):
-            raise refused(owner, "position", self.position, "0 (over a sleeper) to 1, excluded", "give the share")
-
-    @property
-    def of_seat(self) -> Floats:
-        """Stiffnesses of a seat along x, y and in roll in N/mm, N/mm and N mm/rad, shape (3,)."""
-        return np.array([1e3 * self.lateral_kN_per_mm, 1e3 * self.vertical_kN_per_mm, 1e6 * self.roll_kNm_per_rad])
-
-    @property
-    def per_length(self) -> Floats:
-        """The same over the spacing, shape (3,)."""
-        return self.of_seat / self.spacing_mm
-
-    def sleepers_mm(self, number: int) -> Floats:
-        """Places along z from the wheel of an odd number of sleepers about it, shape (number,)."""
-        half = number // 2
-        # the last sleeper is behind the wheel, at z < 0; about as many are before as behind it
-        first = -half if self.position <= 0.5 else -half + 1
-        positions: Floats = self.spacing_mm * (np.arange(first, first + number, dtype=np.float64) - self.position)
-        return positions
-
-
-def rail_problem(space: Space, material: Elastic, base_edges: str, support: RailSupport) -> Harmonic:
+def rail_problem(space: Space, material: Elastic, base_edges: str, support: Sleepers | Continuous) -> Harmonic:
     """Put a rail on its support, spread along z.
 
     What discrete sleepers change of it is `sleeper_compliance`.
@@ -221,7 +143,7 @@ class SupportedRail:
     """
 
     problem: Harmonic
-    support: RailSupport
+    support: Sleepers | Continuous
     cache: Cache | None = None
 
     @property
@@ -344,13 +266,18 @@ class SupportedRail:
             )
         return space.edge_nodes(edges)[best].astype(np.int64), edge_shapes(space.order, shares)
 
+    @property
+    def pad_mm(self) -> float:
+        """Length of a seat along the rail; a continuous support has no seats."""
+        return self.support.pad_length_mm if isinstance(self.support, Sleepers) else 0.0
+
     def seats_from(self, nodes: Ints, shares: Floats) -> Floats:
         """Displacements of points at z = 0 by unit loads of the seats: (n, 3, n_sleepers, 3).
 
         By reciprocity they are also the displacements of the seats by unit forces at the points.
         """
         at_points = np.einsum("np,knpim->knim", shares, self.by_seats[:, nodes])
-        even, odd = self.weights_at(-self.sleepers_mm, self.support.pad_length_mm, 1)
+        even, odd = self.weights_at(-self.sleepers_mm, self.pad_mm, 1)
         displacements = np.einsum("sk,knim->nism", even, at_points)
         displacements[:, 2] = np.einsum("sk,knm->nsm", odd, at_points[:, :, 2])
         return displacements
@@ -366,7 +293,7 @@ class SupportedRail:
 def supported_rail(
     profile: RailProfile,
     material: Elastic,
-    support: RailSupport,
+    support: Sleepers | Continuous,
     size_mm: float = 6.0,
     cache: Cache | None = None,
 ) -> SupportedRail:
@@ -410,7 +337,7 @@ def sleeper_compliance(rail: SupportedRail, points: Floats, frames: Floats) -> F
     taken = in_axes @ rail.seat_stiffness.reshape(n_loads, n_loads) @ in_axes.T
     fields = np.einsum("nai,np,knpim->knam", frames, shares, rail.by_modes[:, nodes], optimize=True)
     fields = fields.reshape(len(fields), 3 * n, 3)
-    at_place = rail.weights_at(np.zeros(1), rail.support.pad_length_mm, 0)[0][0]
+    at_place = rail.weights_at(np.zeros(1), rail.pad_mm, 0)[0][0]
     added = np.einsum("k,krm,kmj,kcj->rc", at_place, fields, rail.freedom, fields, optimize=True).reshape(n, 3, n, 3)
     added[:, :2, :, 2] = added[:, 2, :, :2] = 0.0  # they vary as the sine
     change: Floats = added - taken.reshape(n, 3, n, 3)
@@ -638,7 +565,7 @@ def _summed(rail: SupportedRail, by_forces: Floats, reactions: Floats, z: Floats
     cosine[..., 0], sine[..., 0], cosine[..., 1], sine[..., 1] = even, odd, -odd, even
     fields = np.concatenate((by_forces, rail.by_seats), axis=-1)
     if len(sleepers):
-        even, odd = rail.weights_at(z[:, None] - sleepers, rail.support.pad_length_mm, 1)
+        even, odd = rail.weights_at(z[:, None] - sleepers, rail.pad_mm, 1)
         cosine[..., 2:], sine[..., 2:] = (np.einsum("zsk,sm->zkm", parts, reactions) for parts in (even, odd))
     sums = [
         np.einsum("zkm,kdim->zdi", weights * factor[:, None], fields, optimize=True)

@@ -211,9 +211,9 @@ def spatial_patch(
     wheel, rail = contact.secondary, contact.primary
     if wheel.part.name.startswith("rail"):
         wheel, rail = rail, wheel
-    placement = model.rigid_position.placement(model.problem.wheelset, side)
+    placement = model.rigid_position.placement(model.problem.wheels, side)
     back, roll = placement.inverse(), model.rigid_position.roll_rad
-    axle = back.points([model.rigid_position.axle(model.problem.wheelset)])[0]
+    axle = back.points([model.rigid_position.axle(model.problem.wheels)])[0]
     direction = back.vectors([(np.cos(roll), np.sin(roll))])[0]
     lower = _body(rail, rail.part.placement)
     upper = _body(wheel, placement, Axis((axle[0], axle[1]), (direction[0], direction[1])))

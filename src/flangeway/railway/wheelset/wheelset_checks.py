@@ -35,7 +35,7 @@ stresses of Hertz's contact are at 0.7 to 0.8 half widths."""
 def yield_strength(problem: WheelsetProblem, *roles: Role) -> float | None:
     """Yield strength in MPa: the one that was given, that of rail steel, or None for bodies that are not of steel."""
     steel = all(STEEL_MPa[0] <= problem.material_of(role).young <= STEEL_MPa[1] for role in roles)
-    return problem.yield_MPa or (YIELD_MPa if steel else None)
+    return problem.material.yield_MPa or (YIELD_MPa if steel else None)
 
 
 def checked(
@@ -58,9 +58,9 @@ def checked(
     """
     names = [f"the {side} contact" for side in SIDES]
     regions = [patch.pressure for patch in patches]
-    settings = model.problem.discretisation
-    stiffer = "raise penalty_factor" if settings.nodal_penalty_N_per_mm is None else "raise nodal_penalty_N_per_mm"
-    if settings.enforcement == "augmented-lagrange":
+    plane = model.problem.plane
+    stiffer = "raise penalty_factor" if plane.nodal_penalty_N_per_mm is None else "raise nodal_penalty_N_per_mm"
+    if plane.enforcement == "augmented-lagrange":
         stiffer = "lower penetration_mm"
     checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, overlaps)]
@@ -79,11 +79,11 @@ def checked(
 def _unbalanced(model: WheelsetModel, patches: Iterable[WheelRailPatch]) -> list[str]:
     """Compare the sum of the regions' forces with the load, along what is not held."""
     problem = model.problem
-    along, onto = problem.load.in_track
+    along, onto = problem.forces.in_track
     total = sum((patch.force_on_wheel_N for patch in patches), np.zeros(2))
     rows = (
-        ("lateral", problem.prescribed.lateral_mm, total[0] + along),
-        ("vertical", problem.prescribed.vertical_mm, total[1] - onto),
+        ("lateral", problem.position.lateral_mm, total[0] + along),
+        ("vertical", problem.position.vertical_mm, total[1] - onto),
     )
     return [
         (
@@ -133,7 +133,7 @@ def _beyond_yield(
     model: WheelsetModel, patches: Sequence[WheelRailPatch], displacements: Mapping[str, Floats]
 ) -> list[str]:
     """Compare the cells' maximum von Mises stress below the contacts with the yield strength."""
-    given = model.problem.yield_MPa
+    given = model.problem.material.yield_MPa
     strength = YIELD_MPa if given is None else given
     beyond = []
     for role in ROLES:

@@ -73,24 +73,24 @@ def meshed_body(
     problem: WheelsetProblem, role: Role, side: Side, zone: Zone, cache: Cache | None
 ) -> tuple[Body, NDArray[np.int32], Contour]:
     """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
-    settings = problem.discretisation
-    profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
-    surface, size = profile.outline.part(profile.running_names), settings.size_of(role)
-    body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
+    plane, scale = problem.plane, problem.mesh.size_scale
+    profile = problem.wheels.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
+    surface, size = profile.outline.part(profile.running_names), problem.size_of(role)
+    body_size = plane.body_size_mm * scale * problem.order_of(role)
     try:
         mesh = mesh_profile(
-            problem, role, profile, body_size, Refinement(zone.points(surface), size, settings.growth), cache
+            problem, role, profile, body_size, Refinement(zone.points(surface), size, plane.growth), cache
         )
     except InputError as error:
         raise InputError(
-            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm "
+            f"{role}: size_scale={scale:g} makes contact_size_mm {size:g} and body_size_mm "
             f"{body_size:g}, and no mesh comes of it ({error.given})",
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error
     edges = zone.edges(mesh, profile.running_names, role)
-    material, thickness = problem.material_of(role), problem.thickness_mm
-    return Body(role, mesh, settings.element_of(role), material, SUPPORT, thickness=thickness), edges, surface
+    material, thickness = problem.material_of(role), plane.thickness_mm
+    return Body(role, mesh, problem.element_of(role), material, SUPPORT, thickness=thickness), edges, surface
 
 
 def mesh_profile(
@@ -105,7 +105,7 @@ def mesh_profile(
 
     What is held of it is the edge set `SUPPORT`.
     """
-    outline, polygons = profile.outline, problem.discretisation.method_of(role) == "vem"
+    outline, polygons = profile.outline, problem.method_of(role) == "vem"
 
     def make() -> Arrays:
         mesh = triangulate(outline, size=size, refinements=(refinement,))
@@ -201,16 +201,16 @@ class WheelsetModel:
 
         None where the profiles conform; see `flangeway.railway.profiles.orientation.conforming`.
         """
-        wheel, rail = self.problem.wheelset.wheel_of(side), self.problem.track.rail_of(side)
+        wheel, rail = self.problem.wheels.wheel_of(side), self.problem.track.rail_of(side)
         curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
         if not curvature > 0.0:
             return None
-        contact = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
+        contact = LineContact(force / self.problem.plane.thickness_mm, curvature, self.hertz.modulus)
         return None if conforming(wheel, wheel_point, rail, rail_point, contact.half_width) else contact
 
     def placements(self, position: WheelsetPosition) -> tuple[Placement, ...]:
         """Placements of the system's parts at a position of the wheelset."""
-        wheelset = self.problem.wheelset
+        wheelset = self.problem.wheels
         return tuple(
             position.placement(wheelset, side) if moves else part.placement
             for part, side, moves in zip(self.system.parts, self.sides, self.moving, strict=True)
@@ -234,10 +234,9 @@ def build_model(
     - `whole`: zones over the whole running surfaces and heads, for contact anywhere.
     - `cache`: where meshes are kept from one process to the next; None: nowhere.
     """
-    settings = problem.discretisation
     start = rigid_start(problem)
     hertz = LineContact(
-        problem.load.vertical_N / 2.0 / problem.thickness_mm,
+        problem.forces.vertical_N / 2.0 / problem.plane.thickness_mm,
         max(start.relative_curvature_per_mm, MIN_CURVATURE_PER_MM),
         contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
@@ -245,7 +244,7 @@ def build_model(
     zones = _zones(
         problem, _with_wide(start.near_points(), start.close_points(), width), math.inf if whole else width + BENDING_MM
     )
-    wheelset, track = problem.wheelset, problem.track
+    wheelset, track = problem.wheels, problem.track
     bodies: dict[tuple[Role, int], tuple[LinearBody, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
     for side in SIDES:
@@ -266,7 +265,7 @@ def build_model(
         second, first = (
             Surface(parts[name], edges[name], curves[name], nodes_only=True) for name in (secondary, primary)
         )
-        contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
+        contacts.append(Contact(second, first, problem.plane.pairing_law, problem.plane.enforcement_law(hertz.modulus)))
     return WheelsetModel(problem, start, hertz, ContactSystem(contacts), parts)
 
 
@@ -282,11 +281,11 @@ def _with_wide(points: Mapping[str, Floats], close: Mapping[str, Floats], width:
 def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -> dict[str, Zone]:
     """Zone of each part; equal profiles of both sides share one zone."""
     points_by_name = {name: [(float(x), float(y)) for x, y in points] for name, points in near.items()}
-    if problem.track.is_symmetric:
+    if problem.track.rail_of("left") is problem.track.rail_of("right"):
         points_by_name["rail-left"] = points_by_name["rail-right"] = (
             points_by_name["rail-left"] + points_by_name["rail-right"]
         )
-    if problem.wheelset.left_wheel is None:
+    if problem.wheels.wheel_of("left") is problem.wheels.wheel_of("right"):
         points_by_name["wheel-left"] = points_by_name["wheel-right"] = (
             points_by_name["wheel-left"] + points_by_name["wheel-right"]
         )

@@ -72,8 +72,8 @@ def pose_of(
 ) -> WheelPose:
     """Pose of a wheel in the right-hand form of its side."""
     sign = SIDE_SIGN[side]
-    x, y = position.axle(problem.wheelset)
-    seat = abs(problem.wheelset.placement(side).translation[0])
+    x, y = position.axle(problem.wheels)
+    seat = abs(problem.wheels.placement(side).translation[0])
     return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
 
 
@@ -111,17 +111,16 @@ class WheelsetNewton:
         problem: WheelsetProblem,
         grids: Mapping[Side, GriddedSide],
         position: WheelsetPosition,
-        yaw_rad: float,
         by_forces: Floats,
         near: SpatialState | None,
         creep: WheelsetCreep | None,
     ) -> None:
         self.problem, self.by_forces = problem, by_forces
-        self.position, self.yaw, self.guided_yaw = position, yaw_rad, yaw_rad
+        self.position, self.yaw = position, problem.position.yaw_rad
         self.creep = creep
         if near is None:  # those by the vertical load on the tape circles
-            load = problem.load.in_track[1] / 2.0
-            arms = [problem.wheelset.placement(side).translation[0] for side in SIDES]
+            load = problem.forces.in_track[1] / 2.0
+            arms = [problem.wheels.placement(side).translation[0] for side in SIDES]
             self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
         else:
             poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
@@ -135,13 +134,13 @@ class WheelsetNewton:
         self.hanging = 0
         """Steps in a row in which a wheel does not touch its rail."""
         self.place(grids, near)
-        rolls, prescribed = creep is not None, problem.prescribed.components
+        rolls, prescribed = creep is not None, problem.position.components
         yaws = creep is not None and creep.motion.yaw_is_free
         self.free = np.array([*(value is None for value in prescribed), True, True, rolls, yaws])
-        arm, radius = problem.wheelset.back_to_back_mm / 2.0, problem.wheelset.tape_radius_mm
+        arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
         turning = [0.0 if creep is None else radius / creep.rate_rad_s, arm]
         least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
-        self._least = np.diag(MIN_STIFFNESS * problem.load.vertical_N * least)
+        self._least = np.diag(MIN_STIFFNESS * problem.forces.vertical_N * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
         """Go on with other cells, from a contact if it is known."""
@@ -189,12 +188,12 @@ class WheelsetNewton:
     @property
     def yaw_stiffness(self) -> float:
         """Stiffness of the guidance of a yaw that is found, N mm per rad."""
-        return 0.0 if self.creep is None else 1e3 * (self.creep.motion.yaw_stiffness_Nm_per_rad or 0.0)
+        return 0.0 if self.creep is None else self.creep.motion.yaw_stiffness
 
     @property
     def way_left(self) -> float:
         """Way across the track to the lateral position that is prescribed, mm; 0 without one."""
-        lateral = self.problem.prescribed.lateral_mm
+        lateral = self.problem.position.lateral_mm
         return 0.0 if lateral is None else lateral - self.position.lateral_mm
 
     @property
@@ -291,19 +290,19 @@ class WheelsetNewton:
 
     def _add_equations(self, creep: WheelsetCreep) -> None:
         """Add the equations of torque and yaw."""
-        motion, problem = creep.motion, self.problem
+        rolling, problem = creep.motion, self.problem
         self.jacobian[[0, 1, 2, RATE, YAW]] += self.creeping
         self.torque = float(self.creep_now[3])
         self.yaw_moment = float(self.creep_now[4]) + self.turning
-        weight, arm = problem.load.vertical_N, problem.wheelset.back_to_back_mm / 2.0
-        driven, guided = self.torque + 1e3 * motion.torque_Nm, 0.0
-        if motion.yaw_is_free:
-            guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - self.guided_yaw)
+        weight, arm = problem.forces.vertical_N, problem.wheels.distance_mm / 2.0
+        driven, guided = self.torque + rolling.torque, 0.0
+        if rolling.yaw_is_free:
+            guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - problem.position.yaw_rad)
             self.jacobian[YAW, YAW] -= self.yaw_stiffness
         self.missed[[RATE, YAW]] = driven, guided
         self.relative = replace(
             self.relative,
-            torque_residual=driven / (weight * problem.wheelset.tape_radius_mm),
+            torque_residual=driven / (weight * problem.wheels.tape_radius_mm),
             yaw_residual=guided / (weight * arm),
         )
 

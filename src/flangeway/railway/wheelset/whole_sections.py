@@ -12,6 +12,7 @@ from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.problems import Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.supports import Continuous, Sleepers
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.rolling.patch_rolling import forces_on_cells
 from flangeway.railway.wheelset.running_surfaces import running_cells
@@ -20,7 +21,6 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import (
     SPREAD,
     WAVENUMBERS,
-    RailSupport,
     SupportedRail,
     weights_at,
 )
@@ -57,17 +57,20 @@ def whole_sections(result: SpatialResult, role: Role) -> dict[Side, WholeSection
     of its rim, held at its cut, in the plane through its axis and the patch. A side without contact has none. Sides of
     one profile share the factorisations of its section.
     """
-    problem, model, sections = result.problem, result.wheelset.model, dict[Side, WholeSection]()
+    problem, sections = result.problem, dict[Side, WholeSection]()
     touching = [side for side in SIDES if any(patch.side == side for patch in result.patches)]
     profiles = {side: _profile(problem, side, role) for side in touching}
     for first in touching:
         if first in sections:
             continue
-        whole = running_cells(problem, model, profiles[first], result.cache)
-        cuts = [_cut(result, side, role, whole) for side in touching if profiles[side] is profiles[first]]
-        support = model.support if role == "rail" else None
-        wavenumbers = waves(MIN_HELD if support is None else WAVENUMBERS[0], min(cut.forces.strip for cut in cuts))
-        further = None if support is None else _sleepers(whole.problem, support, result, wavenumbers, cuts)
+        held = problem.track.support_of(first) if role == "rail" else problem.wheels.section
+        whole = running_cells(problem, profiles[first], held, result.cache)
+        supports = {side: problem.track.support_of(side) for side in touching}
+        alike = [side for side in touching if (profiles[side], supports[side]) == (profiles[first], supports[first])]
+        cuts = [_cut(result, side, role, whole) for side in alike]
+        stands = isinstance(held, Sleepers | Continuous)
+        wavenumbers = waves(WAVENUMBERS[0] if stands else MIN_HELD, min(cut.forces.strip for cut in cuts))
+        further = _sleepers(whole.problem, held, result, wavenumbers, cuts) if isinstance(held, Sleepers) else None
         sums = wave_sums([cut.forces for cut in cuts], wavenumbers, further)
         sections |= {cut.side: _section(cut, *waves_of_cut) for cut, waves_of_cut in zip(cuts, sums, strict=True)}
     return sections
@@ -93,7 +96,7 @@ class _Cut:
 
 
 def _profile(problem: WheelsetProblem, side: Side, role: Role) -> WheelProfile | RailProfile:
-    return problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
+    return problem.wheels.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
 
 
 def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> _Cut:
@@ -151,11 +154,9 @@ def _on_wheel(result: SpatialResult, side: Side) -> Floats:
 
 
 def _sleepers(
-    problem: Harmonic, support: RailSupport, result: SpatialResult, wavenumbers: Floats, cuts: list[_Cut]
-) -> FurtherLoads | None:
+    problem: Harmonic, support: Sleepers, result: SpatialResult, wavenumbers: Floats, cuts: list[_Cut]
+) -> FurtherLoads:
     """Loads of the base's modes that turn its continuous support into sleepers, see `supported_rail`."""
-    if support.kind == "continuous":
-        return None
     rail = SupportedRail(problem, support)
     nodes, modes = rail.base
     loads = np.zeros((problem.elasticity.space.n_dofs, 3, 3))

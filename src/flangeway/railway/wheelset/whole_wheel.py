@@ -1,13 +1,11 @@
 """Whole wheels as bodies of revolution held at their bores, and the bending of the axle between them."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from flangeway.checks import as_numbers, check_finite, check_positive
 from flangeway.elements import Lagrange
-from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.geometry import Outline, Placement
 from flangeway.geometry.arrays import chain_lengths, nearest_on_segments
@@ -16,103 +14,12 @@ from flangeway.geometry.shapes import rounded_sides
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WheelProfile
+from flangeway.railway.track.supports import WholeSection
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import compliances
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.types import Floats
-
-# --- Bending of a wheelset's axle by the forces on its wheels, by beam theory.
-
-
-INCH = 25.4  # mm
-
-CLASS_F = (
-    (0.0, 7.375), (23.625, 7.875), (23.625, 8.75), (31.25, 8.75), (31.25, 7.53), (34.25, 7.53), (34.25, 6.19),
-    (44.8, 6.19),
-)  # fmt: skip
-"""Half of an axle of class F (6 1/2 x 12) of the AAR: distance from the middle and diameter in inches."""
-
-
-@dataclass(frozen=True)
-class Axle:
-    """An axle, symmetric about its middle, on two journals that carry the load.
-
-    Class F of the AAR (Manual of Standards, Section G-II, table of axle journal dimensions) by default: journals 79 in
-    apart and of 6.19 in, wheel seats of 8.75 in, a body of 7.875 in that tapers to 7.375 in. The ends of the wheel
-    seats are inferred from 62.5 in between their outer ends and their length of 7.625 in.
-
-    Parameters
-    ----------
-    journals_mm
-        Distance between the middles of the journals; less than that of the wheels for inside journals.
-    diameters_mm
-        Distances from the middle, from 0 on and not falling, and diameters there; linear between them.
-    young
-        Young's modulus in MPa.
-
-    Raises
-    ------
-    InputError
-        If a dimension is not positive, or the distances fall.
-
-    """
-
-    journals_mm: float = 79.0 * INCH
-    diameters_mm: tuple[tuple[float, float], ...] = tuple((INCH * x, INCH * d) for x, d in CLASS_F)
-    young: float = 210e3
-
-    def __post_init__(self) -> None:
-        for name in ("journals_mm", "young"):
-            check_positive("Axle", name, getattr(self, name))
-        drawn = as_numbers("Axle: diameters_mm", self.diameters_mm)
-        if drawn.ndim != 2 or drawn.shape[1] != 2 or drawn[0, 0] != 0.0 or (np.diff(drawn[:, 0]) < 0.0).any():
-            raise InputError(
-                f"Axle: diameters_mm of shape {drawn.shape}", "pairs (distance, diameter) from 0", "order them"
-            )
-        if not (np.isfinite(drawn).all() and (drawn[:, 1] > 0.0).all()):
-            raise InputError("Axle: diameters_mm that are not all positive", "positive diameters", "correct them")
-
-    def tilts(self, positions: Floats, forces: Floats) -> Floats:
-        """Rotations of both wheel seats against the line through them, in rad, counter-clockwise.
-
-        Parameters
-        ----------
-        positions
-            Positions of the left and the right wheel along the axle from its middle, in mm, (2,); rising.
-        forces
-            What acts on each at the axle's centre line: the force upwards in N, and the counter-clockwise moment in
-            N mm; (2, 2). Forces along the axle do not bend it. The journals keep the equilibrium.
-
-        Raises
-        ------
-        InputError
-            If the wheels are not left and right of each other on the axle.
-
-        """
-        drawn = np.array(self.diameters_mm)
-        left, right = (float(position) for position in positions)
-        if not -drawn[-1, 0] <= left < right <= drawn[-1, 0]:
-            raise InputError(
-                f"wheels at {left:g} and {right:g} mm on an axle that ends at {drawn[-1, 0]:g} mm",
-                "the left wheel before the right one, both on the axle",
-                "correct the positions, or give a longer axle",
-            )
-        half = self.journals_mm / 2.0
-        up, moments = forces.T
-        turning = float(up @ positions + moments.sum()) / half
-        journals = np.array([turning - up.sum(), -turning - up.sum()]) / 2.0
-        ends = np.unique(np.clip([left, right, half, -half, *drawn[:, 0], *-drawn[:, 0]], left, right))
-        points, weights = gauss(8)
-        x = ends[:-1, None] + np.diff(ends)[:, None] * points
-        # of what acts on the right of x
-        bending = sum(np.maximum(at - x, 0.0) * force for at, force in zip((-half, half), journals, strict=True))
-        bending = bending + (right - x) * up[1] + moments[1]
-        diameter = np.interp(abs(x), drawn[:, 0], drawn[:, 1])
-        turned = np.diff(ends)[:, None] * weights * bending / (self.young * np.pi * diameter**4 / 64.0)
-        share = (x - left) / (right - left)
-        return np.array([-((1.0 - share) * turned).sum(), (share * turned).sum()])
-
 
 # --- Whole wheels, rim, web and hub, as bodies of revolution held at their bores.
 #
@@ -140,61 +47,7 @@ RUNNING = "running surface"
 """Side of the polygon of the parts in whose place the running surface is."""
 
 
-@dataclass(frozen=True)
-class WheelDisc:
-    """Dimensions of a monobloc wheel inside of its running surface, in mm, x from the tape line.
-
-    Those by default are assumed: a wheel of 920 mm of usual proportions, with a straight conical web and a wheel seat
-    of 200 mm. No public source gives a drawing.
-
-    Parameters
-    ----------
-    rim_mm
-        Thickness of the rim above the tape line.
-    web_mm
-        Thickness of the web at the rim and at the hub.
-    web_middle_mm
-        Place x of the web's middle at the rim and at the hub.
-    fillet_mm
-        Radius of the four fillets between the web, rim and hub.
-    hub_mm
-        Places x of the hub's inner and outer face.
-    hub_radius_mm, bore_radius_mm
-        Radii of the hub and of its bore.
-
-    Raises
-    ------
-    InputError
-        If a length is not positive, or the hub has no thickness or length.
-
-    """
-
-    rim_mm: float = 65.0
-    web_mm: tuple[float, float] = (22.0, 30.0)
-    web_middle_mm: tuple[float, float] = (0.0, -25.0)
-    fillet_mm: float = 35.0
-    hub_mm: tuple[float, float] = (-115.0, 65.0)
-    hub_radius_mm: float = 140.0
-    bore_radius_mm: float = 100.0
-
-    def __post_init__(self) -> None:
-        for dimension in fields(self):
-            value = getattr(self, dimension.name)
-            for number in value if isinstance(value, tuple) else (value,):
-                if dimension.name in ("web_middle_mm", "hub_mm"):
-                    check_finite("WheelDisc", dimension.name, number)
-                else:
-                    check_positive("WheelDisc", dimension.name, number, "positive lengths", "give it in mm")
-        if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
-            raise InputError(
-                f"a hub from {self.hub_mm[0]:g} to {self.hub_mm[1]:g} mm and radii of {self.bore_radius_mm:g} "
-                f"and {self.hub_radius_mm:g} mm",
-                "an inner face left of the outer one, and a bore smaller than the hub",
-                "exchange or correct them",
-            )
-
-
-def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None = None) -> WheelProfile:
+def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WholeSection | None = None) -> WheelProfile:
     """Put rim, web and hub on the running surface of a wheel.
 
     Parameters
@@ -217,7 +70,7 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None 
         If the parts do not fit each other.
 
     """
-    disc = WheelDisc() if disc is None else disc
+    disc = WholeSection() if disc is None else disc
     kept = [(n, s) for n, s in zip(profile.outline.names, profile.outline.segments, strict=True) if n not in FACES]
     first = next(i for i in range(len(kept)) if kept[i][1].start != kept[i - 1][1].end)
     kept = [*kept[first:], *kept[:first]]

@@ -10,11 +10,12 @@ from datetime import date
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 import numpy as np
 from jinja2 import Template
 from markupsafe import Markup, escape
+from pydantic.fields import FieldInfo
 
 from flangeway.cases import Convergence
 from flangeway.cases.case import OF_REPORT, Case, RunnableCase
@@ -22,7 +23,7 @@ from flangeway.cases.case_file import toml_value, write_case_file
 from flangeway.cases.summary import RunResult, summary_text
 from flangeway.checks import is_number
 from flangeway.quantities import measured
-from flangeway.records import records_in
+from flangeway.records import alternatives, are_tables, entries_of, records_in
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Again, Picture, Report, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
@@ -36,6 +37,7 @@ from flangeway.units import Units, unit_in, us_key
 # --- What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables.
 
 
+MESH_OPTIONS = ("method", "order", "size_scale")
 MAX_LETTERS = 60  # of a value on the page; longer ones are cut there, the case file has them whole
 
 
@@ -70,14 +72,18 @@ def run_record(run: RunResult, about_files: str, first: Sequence[str] = (), **ow
 
 
 def given_inputs(case: Case, first: Sequence[str]) -> dict[str, str]:
-    """Return values by meanings of some inputs, and of those that are not the defaults; without those inside tables."""
-    fields, given = type(case).described_fields(), {}
-    changed = [key for key, field in fields.items() if getattr(case, key) != field.default]
-    for key in dict.fromkeys([*first, *changed]):
-        if key in OF_REPORT or records_in(fields[key].annotation):
+    """Return values by meanings of some inputs, by their paths, and of those that are not the defaults.
+
+    Those of lists of tables are left out.
+    """
+    given, entries = dict[str, str](), {entry.name: entry for entry in entries_of(case)}
+    changed = [name for name, entry in entries.items() if not entry.is_default]
+    for name in dict.fromkeys([*first, *changed]):
+        entry = entries.get(name)
+        if entry is None or name in OF_REPORT or are_tables(entry.field.annotation):
             continue
-        meaning = re.split(r"[;,(:]", fields[key].description or key)[0].strip()
-        given[meaning] = _in_words(getattr(case, key), unit_in(key), case.units)
+        meaning = re.split(r"[;,(:]", entry.field.description or name)[0].strip()
+        given[meaning] = _in_words(entry.value, unit_in(entry.path[-1]), case.units)
     return given
 
 
@@ -91,28 +97,30 @@ def _in_words(value: object, unit: str, units: Units) -> str:
 
 
 def inputs_tables(case: Case) -> list[SummaryTable]:
-    """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
-    fields = type(case).described_fields()
-    plain = {key: value for key, value in case.model_dump().items() if not records_in(fields[key].annotation)}
-    meanings = [fields[key].description or "" for key in plain]
-    rows = tuple((*row, meaning) for row, meaning in zip(input_rows(plain, case.units), meanings, strict=True))
-    tables = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), rows, of_words=True)]
-    for key, value in case.model_dump(exclude_defaults=True).items():
-        if key not in plain:
-            items = (
-                {f"{key}[{number}]": item for number, item in enumerate(value, 1)}
-                if isinstance(value, list)
-                else {key: value}
-            )
-            for caption, item in items.items():
-                table = SummaryTable(caption, ("", "value"), tuple(input_rows(item, case.units)), of_words=True)
-                tables.append(table)
-    return tables
+    """Inputs for the page with their meanings, and tables of lists that are set, table by table."""
+    rows, tables = [], []
+    for entry in entries_of(case):
+        if not has_list(entry.field):
+            row = next(input_rows({entry.path[-1]: entry.value}, case.units, "".join(f"{n}." for n in entry.path[:-1])))
+            rows.append((*row, entry.field.description or ""))
+            continue
+        dumped = case.model_dump(exclude_defaults=True).get(entry.path[0], [])
+        items = enumerate(dumped, 1) if isinstance(dumped, list) else dumped.items()
+        for number, item in items:
+            cells = tuple(input_rows(item, case.units))
+            tables.append(SummaryTable(f"{entry.name}[{number}]", ("", "value"), cells, of_words=True))
+    columns = ("", "value", "meaning")
+    return [SummaryTable("Inputs (units in the names)", columns, tuple(rows), of_words=True), *tables]
+
+
+def has_list(field: FieldInfo) -> bool:
+    """Whether an input is a list of tables, or tables by names."""
+    return any(get_origin(kind) in (list, dict) and records_in(kind) for kind in alternatives(field.annotation))
 
 
 def has_tables(case: Case) -> bool:
-    """Whether a case has inputs inside of tables, which a command cannot give."""
-    return any(records_in(field.annotation) for field in type(case).model_fields.values())
+    """Whether a case has inputs inside of lists of tables, which a command cannot give."""
+    return any(has_list(field) for field in type(case).model_fields.values())
 
 
 def input_rows(item: Mapping[str, Any], units: Units, path: str = "") -> Iterator[tuple[str, str]]:
@@ -136,25 +144,21 @@ def _plain(value: object, digits: int = 10) -> str:
 
 OPTIONS = {
     "units": "--units",
-    "wheel": "--wheel",
-    "rail": "--rail",
-    "method": "--method",
-    "order": "--order",
-    "size_scale": "--size-scale",
-    "primary": "--primary",
-    "crown_radius_in": "--crown-radius",
+    "wheelset.wheel": "--wheel",
+    "track.rail": "--rail",
+    "contact.primary": "--primary",
+    **{f"{above}{key}": f"--{key.replace('_', '-')}" for above in ("", "mesh.") for key in MESH_OPTIONS},
 }
 """Inputs of a case with an option of their own; all others go through ``--set``."""
 
 
 def command_line(case: RunnableCase) -> str:
-    """Return the command that runs a case, with what differs from the defaults; cases with tables have none."""
+    """Return the command that runs a case without lists of tables, with what differs from the defaults."""
     words = ["flangeway", "run", case.name]
-    for key, field in type(case).model_fields.items():
-        value = getattr(case, key)
-        if value != field.default:
-            text = value if isinstance(value, str) else toml_value(value)
-            words += [OPTIONS[key], text] if key in OPTIONS else ["--set", f"{key}={text}"]
+    for entry in entries_of(case):
+        if not entry.is_default:
+            text = entry.value if isinstance(entry.value, str) else toml_value(entry.value)
+            words += [OPTIONS[entry.name], text] if entry.name in OPTIONS else ["--set", f"{entry.name}={text}"]
     return shlex.join(words)
 
 

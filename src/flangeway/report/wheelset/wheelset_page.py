@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import RegularGridInterpolator
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_FURTHER,
@@ -39,6 +38,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WheelResult,
     patch_name,
 )
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
@@ -347,8 +347,9 @@ PLANE_PICTURES: tuple[Described, ...] = (
 )
 """PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
 GIVEN = (
-    *("wheel", "rail", "axle_load_kN", "lateral_force_kN"),
-    *("curve_radius_m", "speed_km_h", "superelevation_mm", "friction", "yaw_mrad"),
+    *("wheelset.wheel", "track.rail", "load.axle_load_kN", "load.lateral_force_kN"),
+    *("load.curve.radius_m", "load.curve.speed_km_h", "load.curve.superelevation_mm", "rolling.friction"),
+    *("rolling.speed_km_h", "position.yaw_mrad"),
 )
 """Inputs that the first page has in any case; a plane wheelset has the first of them."""
 SHOWN = ("yaw", "t_gamma", "power")
@@ -411,7 +412,7 @@ def wheelset_record(run: WheelsetRun) -> Report:
             run,
             PLANE_FILES,
             GIVEN[:4],
-            subtitle=f"{_what(run)}; plane strain, {run.problem.thickness_mm:.4g} mm of length; {_method(run)}",
+            subtitle=f"{_what(run)}; plane strain, {run.problem.plane.thickness_mm:.4g} mm of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
             pictures=_pictures(run, PLANE_PICTURES[: None if run.patches else 1]),
             axes=TRACK_AXES,
@@ -425,7 +426,7 @@ def wheelset_record(run: WheelsetRun) -> Report:
         run,
         FILES,
         # a curve gives the lateral force
-        [key for key in GIVEN if key != "lateral_force_kN" or run.case.curve_radius_m is None],
+        [key for key in GIVEN if key != "load.lateral_force_kN" or run.case.load.curve is None],
         subtitle=_what(run),
         scene=lambda: pressure_scene(run),
         pictures=[*_pictures(run, described), *rolling_pictures(run)],
@@ -442,26 +443,24 @@ def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]
 
 def _what(run: WheelsetRun) -> str:
     """What was computed, in words: profiles, axle load, way and speed."""
-    wheelset, track, case = run.problem.wheelset, run.problem.track, run.case
-    words = [f"Wheel {wheelset.wheel.title} on rail {track.rail.title}"]
-    if not (wheelset.is_symmetric and track.is_symmetric):
+    wheelset, track, case = run.problem.wheels, run.problem.track, run.case
+    words = [f"Wheel {wheelset.wheel_of('right').title} on rail {track.rail_of('right').title}"]
+    if not case.has_alike_sides:
         words.append(f"left: wheel {wheelset.wheel_of('left').title} on rail {track.rail_of('left').title}")
-    words.append(f"axle load {run.problem.load.vertical_N / 1e3:.4g} kN")
-    if case.speed_km_h is not None:
-        radius = case.curve_radius_m
-        way = "straight track"
-        if radius:
-            way = f"curve of {abs(radius):.4g} m to the {'left' if radius > 0.0 else 'right'}"
-        words.append(f"{way} at {case.speed_km_h:.4g} km/h")
+    words.append(f"axle load {run.problem.forces.vertical_N / 1e3:.4g} kN")
+    if case.speed_m_s:
+        way, curve = "straight track", case.load.curve
+        if curve is not None:
+            way = f"curve of {abs(curve.radius_m):.4g} m to the {'left' if curve.radius_m > 0.0 else 'right'}"
+        words.append(f"{way} at {3.6 * case.speed_m_s:.4g} km/h")
     return "; ".join(words)
 
 
 def _method(run: WheelsetRun) -> str:
     problem = run.problem
-    settings = problem.discretisation
     words = [
-        f"{'linear' if settings.order_of(role) == 1 else 'quadratic'} "
-        f"{'finite' if settings.method_of(role) == 'fem' else 'virtual'} elements"
+        f"{'linear' if problem.order_of(role) == 1 else 'quadratic'} "
+        f"{'finite' if problem.method_of(role) == 'fem' else 'virtual'} elements"
         for role in ROLES
     ]
     elements = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
@@ -519,7 +518,7 @@ def _tables(run: WheelsetRun) -> list[SummaryTable]:
     further = SPATIAL_FURTHER if in_space else PLANE_FURTHER
     position = (*MOTION, APPROACH)[3 if in_space else 1 :]
     rows = rows_of(position, result, units) + rows_of(TRACK, run.problem.track, units)
-    rows += rows_of(LOAD, run.problem.load, units)
+    rows += rows_of(LOAD, run.problem.forces, units)
     rows += rows_of(RESIDUAL, result.equilibrium.residuals)
     tables = [
         table_across("Patches", run.patch_names, run.patches, further, units=units),

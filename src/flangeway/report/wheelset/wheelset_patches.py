@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.formats import write_vtu, write_vtu_grids
@@ -102,15 +102,17 @@ def section_figure(run: WheelsetRun) -> Figure:
         equal_axes(axes, _view(bodies[0], side))
         axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
     track = run.problem.track
-    inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
-    figure.suptitle(f"{run.problem.wheelset.wheel.title} on {track.rail.title}, {inclination}", fontsize=10)
+    inclination = f"rail inclination 1:{1.0 / track.inclination:g}" if track.inclination else "upright"
+    figure.suptitle(
+        f"{run.problem.wheels.wheel_of('right').title} on {track.rail_of('right').title}, {inclination}", fontsize=10
+    )
     return figure
 
 
 def _outlines(result: SpatialResult, side: Side) -> tuple[Floats, Floats]:
     """Outlines of the rail with the motion of its head, and of the wheel, in the track."""
     problem, motion = result.problem, result.equilibrium.position
-    wheelset, track = problem.wheelset, problem.track
+    wheelset, track = problem.wheels, problem.track
     rail = track.placement(side).points(track.rail_of(side).outline.sampled(max_deviation=0.01))
     wheel = motion.placement(wheelset, side).points(wheelset.wheel_of(side).outline.sampled(max_deviation=0.01))
     *shift, roll, _ = result.head_motion(side)

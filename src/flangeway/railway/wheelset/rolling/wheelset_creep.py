@@ -17,8 +17,9 @@ from flangeway.contact.rolling.exact_rolling import Start, adjoint, roll
 from flangeway.contact.rolling.fast_theories import FAST, SimplifiedRolling, Theory, fastsim_rows
 from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact, box_of
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.rolling import RollingMotion
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.rolling.patch_rolling import (
-    RollingMotion,
     contact_in,
     forces_on_cells,
     rows_of,
@@ -90,30 +91,36 @@ class SideCreep:
 class WheelsetCreep:
     """Creep forces while a position is sought.
 
-    - `motion`: how the wheelset rolls.
+    - `problem`: the wheelset, with its motion and friction.
     - `rate_rad_s`: rate of rotation about the axle.
     - `tolerance`: error of the law of friction by the exact theory.
     - `before`: creep forces to start from, on other cells.
     """
 
-    motion: RollingMotion
+    problem: WheelsetProblem
     rate_rad_s: float
     tolerance: float = TOLERANCE
     before: Mapping[Side, SideCreep] = field(default_factory=dict)
     _last: dict[GriddedSide, Rolling] = field(default_factory=dict)
     _parts: dict[GriddedSide, list[Bools]] = field(default_factory=dict)
 
+    @property
+    def motion(self) -> RollingMotion:
+        """How the wheelset rolls."""
+        assert self.problem.rolling is not None
+        return self.problem.rolling
+
     def creepages(
         self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
     ) -> Creepages:
         """Creepages of rows of cells with points and normals, each (n, 2), at a pose of the wheel."""
         points, normals = rows
-        sign, speed = SIDE_SIGN[side], self.motion.speed_m_s
+        sign, speed = SIDE_SIGN[side], self.problem.speed_m_s
         turning = rate * pose.axis
-        yawing = np.array([0.0, -sign * self.motion.turning_rad_s, 0.0])
+        yawing = np.array([0.0, -sign * self.problem.turning_rad_s, 0.0])
         flat = np.zeros((len(points), 1))
         arms, from_axle = (np.hstack((points - centre, flat)) for centre in (pose.middle, (pose.x, pose.y)))
-        slip = np.array([sign * self.motion.lateral_velocity_m_s, 0.0, speed])
+        slip = np.array([1e-3 * sign * self.motion.lateral_velocity_mm_per_s, 0.0, speed])
         slip = slip + 1e-3 * (np.cross(turning, arms) + np.cross(yawing, from_axle))
         spin = 1e-3 * (normals @ (turning + yawing)[:2]) / speed
         s, z = contact.places
@@ -125,7 +132,7 @@ class WheelsetCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
         for inside in self._divided(side, state, normal):
-            contact = self._contact(state, normal, inside)
+            contact = self._contact(side, state, normal, inside)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.along - contact.grid.along[0] + contact.places[1][0]).argmin())
@@ -165,8 +172,8 @@ class WheelsetCreep:
             tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
         return Start(tractions, contact) if patches else None
 
-    def _contact(self, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
-        friction = self.motion.friction_on(state.normals)
+    def _contact(self, side: Side, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
+        friction = self.motion.friction_on(state.normals, self.problem.friction_of(side))
         if self.motion.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
         last, box = self._last.get(state.grid), box_of(inside)[0]
@@ -445,7 +452,7 @@ def _resultant(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: 
     return np.asarray(of_rows + np.concatenate((np.zeros(3), spinning, [spinning @ pose.axis])))
 
 
-def rate_of(motion: RollingMotion, states: Mapping[Side, SideState]) -> float:
+def rate_of(problem: WheelsetProblem, states: Mapping[Side, SideState]) -> float:
     """Rate of rotation about the axle without creepage at the mean radius of the contacts."""
     radii = []
     for side in SIDES:
@@ -453,4 +460,4 @@ def rate_of(motion: RollingMotion, states: Mapping[Side, SideState]) -> float:
         rows = state.forces.sum(axis=1)
         if rows.any():
             radii.append(float(np.average(state.pose.middle[1] - state.points[:, 1], weights=rows)))
-    return 1e3 * motion.speed_m_s / float(np.mean(radii))
+    return 1e3 * problem.speed_m_s / float(np.mean(radii))
