@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 # before NumPy is imported: on a busy machine, threads that wait for each other take minutes for small matrices
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# otherwise each process, of pytest-xdist and of a test, would compile everything again
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # nothing of another run may make a test pass: the cache is new, and all processes of this run share it
 if "PYTEST_XDIST_WORKER" not in os.environ:
     os.environ["FLANGEWAY_CACHE"] = tempfile.mkdtemp(prefix="flangeway-cache-")

@@ -2,7 +2,12 @@
 
 import ast
 import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
+from typing import TypeVar
+
+T = TypeVar("T")
 
 PACKAGE = Path(__file__).parents[2] / "src" / "flangeway"
 TOP = "flangeway"
@@ -19,7 +24,30 @@ def name_of(path: Path) -> str:
 
 FILES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py"))}
 MODULES = {name: path for name, path in FILES.items() if name != TOP}
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+class Evaluated(Mapping[str, T]):
+    """Values of modules by their names, each computed when it is first read: collecting the tests parses nothing."""
+
+    def __init__(self, function: Callable[[str], T], names: Mapping[str, Path]) -> None:
+        self.value, self.names = cache(function), names
+
+    def __getitem__(self, name: str) -> T:
+        return self.value(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+TREES = Evaluated(lambda name: parsed(MODULES[name]), MODULES)
 
 
 def module_of(dotted: str) -> str | None:
@@ -72,10 +100,10 @@ def imports_of(name: str) -> set[str]:
     package = f"{TOP}.{name}" if name != TOP else TOP
     if path.stem != "__init__":
         package = package.rpartition(".")[0]
-    texts = [path.read_text(encoding="utf-8")]
-    if "lazy_loader" in texts[0]:
-        texts.append(path.with_suffix(".pyi").read_text(encoding="utf-8"))
-    return set().union(*(imports_in(ast.parse(text), package) for text in texts)) - {name}
+    paths = [path]
+    if "lazy_loader" in path.read_text(encoding="utf-8"):
+        paths.append(path.with_suffix(".pyi"))
+    return set().union(*(imports_in(parsed(each), package) for each in paths)) - {name}
 
 
-IMPORTS = {name: imports_of(name) for name in FILES}
+IMPORTS = Evaluated(imports_of, FILES)

@@ -58,11 +58,17 @@ class Program(TyperGroup):
                 break
         return super().parse_args(ctx, args)
 
+    def format_commands(self, _: Any, formatter: Any) -> None:
+        """Write what each command does in full; click's own list cuts it after some words."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, command.help) for name, command in self.commands.items()])
+
 
 app = typer.Typer(
     cls=Program,
     help="Elastic contact with finite and virtual elements: a wheelset on two rails in three dimensions, plane bodies.",
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},
+    rich_markup_mode=None,  # to load what draws boxes around the help takes twice as long as all the rest
     invoke_without_command=True,
     pretty_exceptions_enable=False,
 )

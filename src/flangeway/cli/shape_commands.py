@@ -2,7 +2,6 @@
 
 import os
 import sys
-import webbrowser
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -34,7 +33,6 @@ from flangeway.cli.common import (
     units_given,
 )
 from flangeway.errors import InputError
-from flangeway.system.file_content import is_file
 
 # --- ``flangeway geometry``, ``section`` and ``profile``.
 
@@ -80,6 +78,8 @@ def geometry(
     show: Show,
 ) -> bool:
     """Contact geometry of a rigid wheelset: locus, rolling radii, conicity, equilibrium (out/geometry-CASE)."""
+    from flangeway.system.file_content import is_file  # noqa: PLC0415
+
     settings = settings_of(set_, "a wrong key lists the right ones")
     file = Path(case)
     is_toml = file.suffix.lower() == ".toml"
@@ -340,6 +340,8 @@ def live(
     server = LiveServer(profiles or [], port, units_given(units) or "metric")
     stdout().print(f"{server.address}\nThe page is served on this machine alone; Ctrl-C ends it.", soft_wrap=True)
     if browser:
+        import webbrowser  # noqa: PLC0415 (only where one is opened)
+
         webbrowser.open(server.opener().as_uri())
     server.run()
     sys.stdout.flush()

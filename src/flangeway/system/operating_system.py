@@ -1,7 +1,6 @@
 """What Linux, macOS and Windows do differently; no other module names a function that one of them lacks."""
 
 import importlib
-import multiprocessing
 import os
 import signal
 import sys
@@ -79,6 +78,8 @@ def environment(variables: Mapping[str, str]) -> Iterator[None]:
 
 def worker_start_method() -> str:
     """Return how `multiprocessing` starts workers: forks of a fresh process, or fresh processes where none can fork."""
+    import multiprocessing  # noqa: PLC0415 (commands without workers do without it)
+
     return "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 
 

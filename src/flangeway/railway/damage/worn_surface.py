@@ -372,7 +372,8 @@ def check_limits(limits: Mapping[str, float]) -> None:
 
 def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
     """Names of the limits that a profile has reached; those of the other kind of profile do not count."""
-    measured, kinds = worn_measures(surface), [(name, LIMITS[name], limit) for name, limit in limits.items()]
+    measured = worn_measures(surface) if limits else {}
+    kinds = [(name, LIMITS[name], limit) for name, limit in limits.items()]
     return tuple(
         name
         for name, kind, limit in kinds
