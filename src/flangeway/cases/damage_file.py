@@ -158,8 +158,9 @@ class DamageFile(TomlFile):
         # a bundled state gives its own track, speed and friction; inputs of the file the rest
         for bundled in COLLECTIVES.get(name, ()):
             for key in sorted(key for key in inputs if metric_key(key, bundled)[0] in bundled):
+                place = self.place(("inputs", *key.split(".")))
                 raise InputError(
-                    f"{self.place(('inputs', *key.split('.')))}{key} with a bundled collective, whose states have their own",
+                    f"{place}{key} with a bundled collective, whose states have their own",
                     "other inputs, or [[states]] in the place of collective",
                     f"remove {key}, or write the states into the file",
                 )
