@@ -193,6 +193,16 @@ class Record(_Base):
         """Inputs that are not the defaults of their fields by omission, as they are."""
         return {key: getattr(self, key) for key in type(self).model_fields if key in self.model_fields_set}
 
+    @property
+    def changed(self) -> dict[str, Any]:
+        """Inputs that are not the defaults, in tables and lists of plain values: what a case file needs."""
+        changed = {}
+        for key, field in type(self).model_fields.items():
+            value, default = getattr(self, key), default_of(field)
+            if value != default or type(value) is not type(default):
+                changed[key] = _plain(value, type(default))
+        return changed
+
     def replaced(self, **changes: Any) -> Self:
         """Return it with some inputs changed; of a record inside, those that are not named stay.
 
@@ -356,6 +366,16 @@ def leaves(values: Any, key: Key = ()) -> Iterator[tuple[Key, Any]]:
         yield key, values
     for name, value in items:
         yield from leaves(value, (*key, name))
+
+
+def _plain(value: Any, default: type[Any]) -> Any:
+    """An input as tables, lists and values; a record has its kind where this is not that of the default."""
+    if isinstance(value, Record):
+        tag = kind_of(type(value))
+        return value.changed if tag is None or type(value) is default else {TAG: tag, **value.changed}
+    if isinstance(value, Mapping):
+        return {name: _plain(entry, type(None)) for name, entry in value.items()}
+    return [_plain(entry, type(None)) for entry in value] if isinstance(value, list | tuple) else value
 
 
 class Entry(NamedTuple):

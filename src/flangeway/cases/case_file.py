@@ -361,7 +361,7 @@ def write_case_file(case: RunnableCase) -> str:
 
     Names of files are as given, in tables relative to the current folder; a case file reads them from its own folder.
     """
-    return toml_text({"flangeway": FORMAT, "case": case.name, **case.model_dump(exclude_defaults=True)})
+    return toml_text({"flangeway": FORMAT, "case": case.name, **case.changed})
 
 
 def toml_text(values: Mapping[str, Any]) -> str:
@@ -464,7 +464,7 @@ def toml_value(value: Any) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Record):
-        value = value.model_dump(exclude_defaults=True)
+        value = value.changed
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {toml_value(entry)}" for key, entry in value.items()) + " }"
     return "[" + ", ".join(toml_value(entry) for entry in value) + "]"

@@ -207,7 +207,7 @@ class LiveEngine:
     def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
         case = self.case(inputs)
-        at_all = case.model_dump(exclude_defaults=True, exclude={"units"})
+        at_all = {key: value for key, value in case.changed.items() if key != "units"}
         at_all.get("position", {}).pop("lateral_mm", None)
         campaign = toml_text({"case": case.name, "inputs": at_all}) + f"\n[vary]\n{LATERAL_POSITIONS}\n"
         texts = {"case": write_case_file(case), "command": command_line(case), "campaign": campaign}

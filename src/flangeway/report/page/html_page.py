@@ -104,7 +104,7 @@ def inputs_tables(case: Case) -> list[SummaryTable]:
             row = next(input_rows({entry.path[-1]: entry.value}, case.units, "".join(f"{n}." for n in entry.path[:-1])))
             rows.append((*row, entry.field.description or ""))
             continue
-        dumped = case.model_dump(exclude_defaults=True).get(entry.path[0], [])
+        dumped = case.changed.get(entry.path[0], [])
         items = enumerate(dumped, 1) if isinstance(dumped, list) else dumped.items()
         for number, item in items:
             cells = tuple(input_rows(item, case.units))
