@@ -73,8 +73,8 @@ def pressures_and_areas(results: list[SpatialResult]) -> Floats:
     rows = []
     for result in results:
         assert result.status.converged, result.status.message
-        first = [next(p for p in result.patches if p.side == side).ellipse for side in ("left", "right")]
-        rows.append([*(ellipse.max_pressure for ellipse in first), *(ellipse.area for ellipse in first)])
+        first = [next(p for p in result.patches if p.side == side) for side in ("left", "right")]
+        rows.append([*(patch.max_pressure for patch in first), *(patch.area for patch in first)])
     return np.array(rows)
 
 

@@ -2,16 +2,16 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
-from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_state
-from flangeway.post.patch_stresses import StressField
+from flangeway.exact.shakedown import ABOVE_SHAKEDOWN
 from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM
@@ -23,14 +23,15 @@ from flangeway.railway.track.placements import (
     WheelsetPosition,
     lateral_over_vertical,
 )
-from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
+from flangeway.railway.track.wheelset_problem import ROLES, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
+from flangeway.railway.wheelset.rolling.patch_rolling import rows_of, strips_of
+from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep
 from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
 from flangeway.solve import Status
@@ -57,17 +58,15 @@ class SpatialResult:
     - `timings_s`: seconds of the stages.
     - `warnings`: what limits the result.
     - `cache`: where solutions of the sections are kept from one process to the next.
-    - `rolling`: the patches with their creep forces, empty without friction.
     """
 
     status: Status
     wheelset: SpatialWheelset
     equilibrium: Equilibrium[SpatialState]
-    patches: tuple[SpatialPatch, ...]
+    patches: tuple[WheelPatch, ...]
     timings_s: dict[str, float]
     warnings: tuple[str, ...]
     cache: Cache | None = None
-    rolling: tuple[RollingPatch, ...] = ()
 
     @property
     def problem(self) -> WheelsetProblem:
@@ -79,41 +78,10 @@ class SpatialResult:
         """See `yield_strength`."""
         return yield_strength(self.problem, *ROLES)
 
-    def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
-        """Return a patch with its creep forces, None without friction."""
-        return next((rolled_patch for rolled_patch in self.rolling if rolled_patch.patch is patch), None)
-
-    def load_factor(self, patch: SpatialPatch) -> float | None:
-        """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
-        return float(np.sqrt(3.0) * patch.ellipse.max_pressure / self.yield_MPa) if self.yield_MPa else None
-
-    def shakedown_state(self, patch: SpatialPatch) -> str | None:
-        """State of the steel under repeated rolling, see `flangeway.exact.shakedown.shakedown_state`."""
-        factor, rolling = self.load_factor(patch), self.rolling_of(patch)
-        return None if factor is None else shakedown_state(factor, rolling.used_friction if rolling else 0.0)
-
-    def tractions_of(self, side: Side) -> Floats | None:
-        """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
-        tractions = [
-            rolled_patch.tractions
-            for rolled_patch in self.rolling
-            if rolled_patch.patch.side == side and rolled_patch.tractions is not None
-        ]
-        return sum(tractions[1:], tractions[0]) if tractions else None
-
-    @cached_property
-    def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
-        """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
-        fields: dict[SpatialPatch, dict[Role, StressField]] = {}
-        for patch in self.patches:
-            tractions = self.tractions_of(patch.side)
-            rail = patch.field("rail", tractions)
-            # without tractions both bodies of one material have the same stresses
-            alike = (
-                tractions is None and len({material.poisson for material in patch.state.grid.surfaces.materials}) == 1
-            )
-            fields[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
-        return fields
+    @property
+    def rolling(self) -> list[tuple[WheelPatch, CreepState]]:
+        """Patches and their creep forces, empty without friction."""
+        return [(patch, patch.creep) for patch in self.patches if patch.creep is not None]
 
     @property
     def approach_mm(self) -> float:
@@ -242,12 +210,7 @@ def solve_position(
     begun = time.perf_counter()
     equilibrium = wheelset.solve(progress, near)
     problem = wheelset.problem
-    patches: list[SpatialPatch] = []
-    for side in SIDES if equilibrium.status.converged else ():
-        state = equilibrium.state.sides[side]
-        rolled = equilibrium.state.rolled
-        interiors = None if rolled is None else rolled.creep[side].interiors
-        patches += [SpatialPatch(side, state, ellipse) for ellipse in state.cells.patches(interiors)]
+    patches = _patches(wheelset, equilibrium.state) if equilibrium.status.converged else ()
     timings["contact"] = time.perf_counter() - begun
     status = equilibrium.status
     warnings = equilibrium.warnings(status, {patch.side for patch in patches})
@@ -276,10 +239,9 @@ def solve_position(
     warnings += [
         f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
         for patch in patches
-        if patch.ellipse.area < NO_ELLIPSE * np.pi * np.prod(patch.ellipse.semi_axes)
+        if patch.area < NO_ELLIPSE * np.pi * np.prod(patch.semi_axes)
     ]
-    rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
-    result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
+    result = SpatialResult(status, wheelset, equilibrium, patches, timings, tuple(warnings))
     further = (*_of_mirror_image(result), *_of_yielding(result), *_of_rolling(result))
     return replace(result, warnings=(*warnings, *further))
 
@@ -311,42 +273,54 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
     return [words]
 
 
-def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
-    """Patches with their creep forces."""
-    motion, rolled, rolled_patches = wheelset.model.rolling, state.rolled, []
-    if motion is None or rolled is None:
-        return ()
+def _patches(wheelset: SpatialWheelset, state: SpatialState) -> tuple[WheelPatch, ...]:
+    """Patches of both sides, left side first, each side by falling force, with their creep forces."""
+    strength, patches = yield_strength(wheelset.problem, *ROLES), list[WheelPatch]()
+    for side, side_state in ((side, state.sides[side]) for side in SIDES):
+        found = side_state.cells.patches(state.interiors(side))
+        of_side = [WheelPatch(patch.cells, patch.inside, side, side_state, yield_MPa=strength) for patch in found]
+        if wheelset.model.rolling is not None and state.rolled is not None:
+            of_side = _with_creep(of_side, state.rolled.creep[side], wheelset.model.rolling.speed_m_s)
+        patches += of_side
+    return tuple(patches)
+
+
+def _with_creep(patches: Sequence[WheelPatch], creep: SideCreep, speed_m_s: float) -> list[WheelPatch]:
+    """Patches of a side with their creep forces, and the tractions of all of them."""
+    states, tractions = list[CreepState | None](), None
     for patch in patches:
-        most = max(rolled.creep[patch.side].patches, key=lambda creep: int((creep.inside & patch.ellipse.inside).sum()))
-        if (most.inside & patch.ellipse.inside).any():
+        state = None
+        most = max(creep.patches, key=lambda of_patch: int((of_patch.inside & patch.inside).sum()))
+        if (most.inside & patch.inside).any():
             forces, contact = most.forces, most.contact
             if isinstance(forces, Rolling):
-                forces = forces.part(
-                    patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
-                )
+                forces = forces.part(patch.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)])
                 contact = forces.contact
-            rolled_patches.append(RollingPatch(patch, forces, contact, motion.speed_m_s))
-    return tuple(rolled_patches)
+            state = CreepState(forces, contact, -SIDE_SIGN[patch.side], speed_m_s)
+            if state.cells is not None:
+                on_side = patch.on_side(state, state.cells.tractions)
+                tractions = on_side if tractions is None else tractions + on_side
+        states.append(state)
+    return [replace(patch, creep=state, tractions=tractions) for patch, state in zip(patches, states, strict=True)]
 
 
 def _of_yielding(result: SpatialResult) -> list[str]:
     """Warnings on patches under which steel yields in each passage."""
     return [
-        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
+        f"{patch.side} side, {patch.region}: p0/k = {patch.load_factor:.2f} is above the shakedown limits: "
         "steel yields in each passage, which is not modelled"
         for patch in result.patches
-        if result.shakedown_state(patch) == ABOVE_SHAKEDOWN
+        if patch.shakedown_state == ABOVE_SHAKEDOWN
     ]
 
 
 def _of_rolling(result: SpatialResult) -> list[str]:
     """Warnings on creep forces."""
-    warnings = []
-    for rolled_patch in result.rolling:
-        warnings += [
-            f"{rolled_patch.patch.side} side, {rolled_patch.patch.region}: {notice}"
-            for notice in rolled_patch.forces.notices
-        ]
+    warnings = [
+        f"{patch.side} side, {patch.region}: {notice}"
+        for patch, creep in result.rolling
+        for notice in creep.forces.notices
+    ]
     for side in SIDES if result.rolling else ():
         ratio = result.lateral_over_vertical(side)
         if result.flange_touches(side) and ratio > (limit := result.nadal_limit(side)):
