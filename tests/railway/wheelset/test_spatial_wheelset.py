@@ -1,5 +1,6 @@
 """A wheelset in three dimensions: equilibrium, symmetry, fine grids and contact outside of them."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,7 +11,6 @@ from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
@@ -87,13 +87,14 @@ def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
 
 
 @pytest.mark.ci
-def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refused_where_a_wheel_lifts(wheelset):
+def test_a_wheelset_is_held_at_a_lateral_position_where_rails_deflect_and_not_where_a_wheel_lifts(wheelset):
     """Between 16 and 22 mm the force that holds it grows evenly; 35 mm ends where it has derailed, in a few steps."""
     held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
     np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
     steps, beside = [], wheelset.at(wheelset.problem.load, Prescribed(35.0), 0.0)
-    with pytest.raises(InputError, match=r"lateral_mm = 35: derailed, at \d\d\.\d mm"):
-        solve_position(beside, {}, steps.append)
+    lost = solve_position(beside, {}, steps.append).status
+    assert not lost.converged
+    assert re.match(r"lateral_mm = 35: derailed, at \d\d\.\d mm", lost.message)
     assert len(steps) < 60
 
 

@@ -194,7 +194,7 @@ def solve_spatial(
     _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
     surfaces = running_surfaces(problem, model, cache=cache, progress=progress)
     timings["compliance"] = time.perf_counter() - start
-    return replace(solve_position(rigid.on(surfaces), timings, progress), cache=cache)
+    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress), cache=cache)
 
 
 def solve_position(
@@ -209,33 +209,15 @@ def solve_position(
     """
     begun = time.perf_counter()
     equilibrium = wheelset.solve(progress, near)
-    problem = wheelset.problem
     patches = _patches(wheelset, equilibrium.state) if equilibrium.status.converged else ()
     timings["contact"] = time.perf_counter() - begun
-    status = equilibrium.status
-    warnings = equilibrium.warnings(status, {patch.side for patch in patches})
+    status = _status_on_rails(wheelset, equilibrium)
+    warnings = equilibrium.warnings(equilibrium.status, {patch.side for patch in patches})
     warnings += [
         f"{patch.side} side, {patch.region}: {patch.remark} on a narrow patch, its maximum pressure is rough"
         for patch in patches
         if patch.remark
     ]
-    lateral, position = problem.prescribed.lateral_mm, equilibrium.position
-    rise = wheelset.rise(position)
-    # where rigid wheels stand at the lateral position, what is not balanced says more
-    beyond = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) > RIGID_MM
-    climbs = rise > CLIMBED_MM and (status.converged or lateral is not None)
-    if climbs or (beyond and not status.converged):
-        reason = f"derailed, at {position.lateral_mm:.1f} mm "
-        reason += f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
-        if not climbs:
-            reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
-        if lateral is not None:
-            raise InputError(
-                f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which wheels stand, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
-                "give a smaller lateral_mm",
-            )
-        status = Status(False, reason + "; check what is prescribed and the load", status.iterations)
     warnings += [
         f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
         for patch in patches
@@ -244,6 +226,25 @@ def solve_position(
     result = SpatialResult(status, wheelset, equilibrium, patches, timings, tuple(warnings))
     further = (*_of_mirror_image(result), *_of_yielding(result), *_of_rolling(result))
     return replace(result, warnings=(*warnings, *further))
+
+
+def _status_on_rails(wheelset: SpatialWheelset, equilibrium: Equilibrium[SpatialState]) -> Status:
+    """Status of a search that is not converged where a wheel stands on its flange, or cannot stand at all."""
+    status, lateral = equilibrium.status, wheelset.problem.prescribed.lateral_mm
+    rise, reached = wheelset.rise(equilibrium.position), wheelset.start.motion.lateral_mm
+    if rise > CLIMBED_MM and (status.converged or lateral is not None):
+        reason = f"derailed, at {equilibrium.position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the "
+        reason += "middle of the track, a flange on its rail"
+    # where rigid wheels stand at the lateral position, what is not balanced says more
+    elif lateral is not None and abs(lateral - reached) > RIGID_MM and not status.converged:
+        reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
+    else:
+        return status
+    advice = "check what is prescribed and the load"
+    if lateral is not None:
+        reason = f"lateral_mm = {lateral:g}: {reason}"
+        advice = f"rigid wheels stand up to {reached:.1f} mm, give a smaller lateral_mm"
+    return Status(False, f"{reason}; {advice}", status.iterations)
 
 
 def _of_mirror_image(result: SpatialResult) -> list[str]:
@@ -276,9 +277,12 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
 def _patches(wheelset: SpatialWheelset, state: SpatialState) -> tuple[WheelPatch, ...]:
     """Patches of both sides, left side first, each side by falling force, with their creep forces."""
     strength, patches = yield_strength(wheelset.problem, *ROLES), list[WheelPatch]()
-    for side, side_state in ((side, state.sides[side]) for side in SIDES):
-        found = side_state.cells.patches(state.interiors(side))
-        of_side = [WheelPatch(patch.cells, patch.inside, side, side_state, yield_MPa=strength) for patch in found]
+    for side in SIDES:
+        side_state = state.sides[side]
+        of_side = [
+            WheelPatch(patch.cells, patch.inside, side, side_state, yield_MPa=strength)
+            for patch in side_state.cells.patches(state.interiors(side))
+        ]
         if wheelset.model.rolling is not None and state.rolled is not None:
             of_side = _with_creep(of_side, state.rolled.creep[side], wheelset.model.rolling.speed_m_s)
         patches += of_side

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetLoad, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
@@ -56,6 +56,8 @@ MAX_HANGING = 30
 """Steps in a row in which a wheel on the way to a lateral position may touch nothing."""
 MAX_TURN_RAD = 0.05
 """Yaw beyond that of the guidance where the search for it ends; wheelsets in the sharpest curves run at half of it."""
+MAX_RIGID = 64
+"""Rigid geometries and equilibria of the last positions that stay in memory."""
 SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
 FLANGE_SLOPE = 3.0
@@ -111,33 +113,23 @@ class SpatialWheelset:
     problem: WheelsetProblem
     surfaces: Mapping[Side, SideSurfaces]
     model: SpatialModel
-    _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
 
     def at(
         self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float, rolling: RollingMotion | None = None
     ) -> "SpatialWheelset":
-        """The same bodies under another load, elsewhere, rolling in another way; rigid geometries are shared."""
+        """The same bodies under another load, elsewhere, rolling in another way."""
         problem = replace(self.problem, load=load, prescribed=prescribed)
         return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad, rolling=rolling))
-
-    def on(self, surfaces: Mapping[Side, SideSurfaces]) -> "SpatialWheelset":
-        """The same wheelset with its running surfaces; its rigid equilibrium is kept."""
-        wheelset = replace(self, surfaces=surfaces)
-        wheelset.__dict__["start"] = self.start
-        return wheelset
 
     @property
     def geometry(self) -> RigidGeometry:
         """Rigid geometry of the wheelset on its track."""
-        yaw = self.model.yaw_rad
-        if yaw not in self._geometries:
-            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheelset, yaw)
-        return self._geometries[yaw]
+        return _rigid_geometry(self.problem.track, self.problem.wheelset, self.model.yaw_rad)
 
-    @cached_property
+    @property
     def start(self) -> RigidStart:
         """Rigid equilibrium."""
-        return rigid_start(self.problem, self.geometry)
+        return _rigid_start(self.problem, self.model.yaw_rad)
 
     def solve(
         self, progress: Callable[[str], None] = lambda _: None, near: RollingPlace | None = None
@@ -377,6 +369,16 @@ class SpatialWheelset:
             planes = int(lead / strip) + np.arange(-5, 6)
         grid = PatchGrid.on_planes(ends, strip, int(planes[0]) - STRIP_STEP + 1, int(planes[-1]) + STRIP_STEP - 1)
         return GriddedSide(surfaces, grid, pose)
+
+
+@lru_cache(maxsize=MAX_RIGID)
+def _rigid_geometry(track: Track, wheelset: Wheelset, yaw_rad: float) -> RigidGeometry:
+    return RigidGeometry.of(track, wheelset, yaw_rad)
+
+
+@lru_cache(maxsize=MAX_RIGID)
+def _rigid_start(problem: WheelsetProblem, yaw_rad: float) -> RigidStart:
+    return rigid_start(problem, _rigid_geometry(problem.track, problem.wheelset, yaw_rad))
 
 
 @dataclass
