@@ -31,7 +31,7 @@ from tests.docs.conftest import blocks_of
 COARSE = {"size_scale": "6", "order": "1", "rail_support": "continuous", "wheel": "S1002", "rail": "60E1"}
 STATES = [
     {"lateral_mm": "-1", "yaw_mrad": "3", "axle_load_kN": "160"},
-    {"friction": "0.3", "speed_km_h": "80", "rolling_theory": "fastsim"},
+    {"lateral_mm": "0.5", "friction": "0.3", "speed_km_h": "80", "rolling_theory": "fastsim"},
 ]
 
 

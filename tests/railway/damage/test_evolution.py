@@ -339,6 +339,7 @@ def test_wrong_ranges_are_refused(inputs, word: str) -> None:
         parts_of({"name": "line", "share": 1.0} | inputs)
 
 
+@pytest.mark.ci
 def test_partners_of_what_wears_may_differ_between_states() -> None:
     """A wheel wears on two rails, each with its share, as on each of them alone; two rails do not wear as one."""
     rates, states = {}, [state(0.5, rail=name, gauge_mm=1435.0) for name in ("60E1", "49E1")]
