@@ -166,9 +166,9 @@ def wheelset_rows(run: Run) -> Iterator[Row]:
         case = SpatialWheelsetCase.from_values(CURVE | {"rolling_theory": theory})
         result = solve_spatial(case.problem(), case.spatial_model())
         run.check(f"wheelset in a curve, {theory}", result.status)
-        for number, patch in enumerate(result.rolling, 1):
-            t_gamma = patch_loads(patch).t_gamma_N
-            error = t_gamma * patch.speed_m_s / patch.power_W - 1.0
+        for number, (_, creep) in enumerate(result.rolling, 1):
+            t_gamma = patch_loads(creep).t_gamma_N
+            error = t_gamma * creep.speed / creep.power_W - 1.0
             quantity = "T-gamma of the cells by power over speed less 1"
             yield Row("curve", f"{theory}, patch {number}", quantity, "", error, 0.0, POWER_LIMIT)
         wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail

@@ -11,8 +11,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import STICKS, Creepages, Rolling, RollingContact
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
-from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch, rolling_contact_of
 from flangeway.types import Floats, Progress
 from flangeway_studies.study import Published, Row, Run, published_values
 from flangeway_studies.wheelset3d_study import TABLE, BenchmarkPosition, PressedWheel, on_square_cells
@@ -281,12 +280,12 @@ def creep_numbers(position: BenchmarkPosition, energy: Energy) -> Iterator[Row]:
     for words, name, differences, cell in VARIANTS:
         pressed: PressedWheel = getattr(position, name)
         pressed = pressed if cell is None else on_square_cells(pressed, cell)
-        patch = SpatialPatch(pressed.side, pressed.state, pressed.patches[0])
+        patch = WheelPatch(pressed.state.cells, pressed.patches[0].inside, pressed.side, pressed.state)
         contact = rolling_contact_of(patch, Friction(MANCHESTER_MU), pressed.overlap[1:])
         rolling = energy.check(f"{TABLE}, {position.code}", roll(contact, motion, differences=differences))
         wide = ""
-        if patch.ellipse.semi_axes[0] > MAX_WIDTH_MM[name]:
-            wide = WIDE_PATCH if patch.ellipse.semi_axes[0] > max(MAX_WIDTH_MM.values()) else BODIES
+        if patch.semi_axes[0] > MAX_WIDTH_MM[name]:
+            wide = WIDE_PATCH if patch.semi_axes[0] > max(MAX_WIDTH_MM.values()) else BODIES
         steep = "" if position.comparable else "steep or divided contact"
         for quantity, key, unit, value in (
             ("longitudinal creep force", "fx", "N", -rolling.along),

@@ -24,8 +24,8 @@ from flangeway.railway.profiles.flange_root import (
 )
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
-from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, maximum_shear, solve_wheelset
-from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
+from flangeway.railway.wheelset.plane_patch import WheelRailPatch
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset
 from flangeway.types import Floats, Progress
 from flangeway_studies.study import Limit, Published, Row, Run, published_rows
 
@@ -306,9 +306,9 @@ def contact_quantities(result: WheelsetResult) -> Published:
     for patch in result.patches:
         name = contact_name(result, patch)
         numbers[name, "force"] = np.hypot(*patch.force_on_wheel_N)
-        numbers[name, "maximum pressure"] = patch.pressure.pressures.max()
-        numbers[name, "maximum shear in the rail"] = maximum_shear(result, patch, "rail").value_MPa
-        numbers[name, "maximum shear in the wheel"] = maximum_shear(result, patch, "wheel").value_MPa
+        numbers[name, "maximum pressure"] = patch.max_pressure
+        numbers[name, "maximum shear in the rail"] = patch.below["rail"][0].value_MPa
+        numbers[name, "maximum shear in the wheel"] = patch.below["wheel"][0].value_MPa
     return numbers
 
 
@@ -372,7 +372,7 @@ def one_arc_rows(run: Run, discretisation: Discretisation, material: Elastic) ->
     modulus, curvature = result.model.hertz.modulus, 1.0 / WHEEL_RADIUS_MM + 1.0 / RAIL_RADIUS_MM
     theory, (pressure, half_width) = (
         LineContact(0.5 * load / THICKNESS_MM, curvature, modulus),
-        _ellipse(patch.pressure),
+        _ellipse(patch),
     )
     bend = approaches[1] - 2.0 * approaches[0]
     exact = -math.log(2.0) * LOADS_N[0] / THICKNESS_MM / (math.pi * modulus)

@@ -10,7 +10,7 @@ import numpy as np
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.normal_contact import ElasticSurface
-from flangeway.contact.patch.patch_contact import ContactEllipse
+from flangeway.contact.patch.patch_contact import SpatialPatch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
@@ -58,7 +58,7 @@ class PressedWheel:
     state: SideState
 
     @cached_property
-    def patches(self) -> list[ContactEllipse]:
+    def patches(self) -> list[SpatialPatch]:
         """Separate patches, by falling force."""
         return self.state.cells.patches()
 
@@ -214,7 +214,7 @@ def _beside(table: str, code: str, base: SpatialResult, result: SpatialResult) -
         known_patches, patches = ([patch for patch in one.patches if patch.side == side] for one in (base, result))
         for known_patch, patch in zip(known_patches, patches, strict=True):
             name = f"maximum pressure, {side} wheel, {known_patch.region}"
-            value, wanted = patch.ellipse.max_pressure, known_patch.ellipse.max_pressure
+            value, wanted = patch.max_pressure, known_patch.max_pressure
             yield Row(table, code, name, "MPa", value, wanted, PRESSURE_LIMIT)
 
 
@@ -265,7 +265,7 @@ def direct_numbers(name: str) -> Iterator[Row]:
         yield Row(name, f"{given.force / 1e3:g} kN", quantity, unit, value, known, DIRECT_LIMIT)
 
 
-def _measures(patch: ContactEllipse) -> tuple[tuple[str, str, float], ...]:
+def _measures(patch: SpatialPatch) -> tuple[tuple[str, str, float], ...]:
     longer, shorter = patch.semi_axes
     return (
         ("maximum pressure", "MPa", patch.max_pressure),

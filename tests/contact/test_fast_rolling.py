@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.elliptic_contact import EllipticContact, creep_coefficients
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim, fastsim_forces, linear_theory, polach
@@ -13,7 +14,6 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Creepages, CreepForces, RollingContact
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
 
 STEEL = Elastic(2.56 * 82000.0, 0.28)
 FORCE, MU = 82000.0, 0.3
@@ -181,7 +181,7 @@ def test_longitudinal_creepage_of_a_cone_on_a_round_rail_is_that_of_its_radius()
     slip = 1.0 - (radius - cone * s) / radius + 3e-4
     motion = Creepages(slip - spin * s, 1e-4, spin, 1.0)
     state = linear_theory(contact, motion)
-    patch = RollingPatch(None, state, contact)  # type: ignore[arg-type]  # creepages do not need the bodies
+    patch = CreepState(state, contact)
     shares = contact.row_shares
     assert patch.longitudinal_creepage == pytest.approx(
         float(shares @ slip) - float(shares @ s * (shares @ spin)), abs=1e-12

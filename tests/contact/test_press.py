@@ -193,6 +193,7 @@ def test_what_converged_is_right(number: int) -> None:
     assert not outcome(number).wrong
 
 
+@pytest.mark.ci
 def test_contact_that_comes_and_goes_under_all_of_a_load_holds_it_after_shorter_steps() -> None:
     """A corner with friction and a barrier is reached in steps, although one step ends where nothing touches."""
     found = outcome(22)

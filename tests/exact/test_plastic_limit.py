@@ -28,7 +28,10 @@ def triangles():
     return triangulate(outline, size=25.0, outline=outline)
 
 
-@pytest.mark.parametrize(("element", "beyond"), [(Lagrange(2), 1.01), (Virtual(1), 1.02), (Virtual(2), 1.01)])
+@pytest.mark.parametrize(
+    ("element", "beyond"),
+    [(Lagrange(2), 1.01), (Virtual(1), 1.02), pytest.param(Virtual(2), 1.01, marks=pytest.mark.ci)],
+)
 def test_a_thick_cylinder_carries_its_limit_pressure_and_no_more(triangles, element, beyond):
     """At 93 % the rim moves by 2 (1 - nu^2) k c^2 / (E b) within 3 %; beyond the limit no pressure is carried.
 

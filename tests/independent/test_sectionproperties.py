@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.cases.section_run import TorsionCase, find_section, run_section
 from flangeway.formats import DrawnSection
-from flangeway.geometry import Region, Section, polygon, rectangle, square
+from flangeway.geometry import Region, Section, polygon, rectangle
 
 pytestmark = pytest.mark.ci  # costs a minute or more
 
@@ -13,7 +13,6 @@ pytest.importorskip("sectionproperties", reason="the peer is installed with the 
 
 CHANNEL = Region(polygon([(0, 0), (60, 0), (60, 6), (6, 6), (6, 114), (60, 114), (60, 120), (0, 120)]))
 BOX = Region(rectangle(80.0, 50.0), (rectangle(74.0, 44.0),))
-HOLLOW_SQUARE = Region(square(40.0), (square(20.0),))
 ANGLE = Region(polygon([(0, 0), (90, 0), (90, 9), (10, 9), (10, 60), (0, 60)]))
 
 
@@ -36,8 +35,8 @@ def peer(region, max_area, poisson=0.0):
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(
     ("region", "max_area"),
-    [(CHANNEL, 1.0), (BOX, 0.5), (HOLLOW_SQUARE, 0.4), (ANGLE, 1.0)],
-    ids=["thin-walled open channel", "thin-walled closed box", "hollow square", "angle"],
+    [(CHANNEL, 1.0), (BOX, 0.5), (ANGLE, 1.0)],
+    ids=["thin-walled open channel", "thin-walled closed box", "angle"],
 )
 def test_walled_sections_agree_with_the_peer(region, max_area):
     """Torsion constant, shear centre and warping constant agree to 0.1 %, second moments to 1e-9."""

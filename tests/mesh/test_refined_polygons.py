@@ -146,7 +146,7 @@ def test_a_cell_that_no_point_sees_whole_is_cut_into_round_parts():
 
 L_SHAPE = polygon([(-1, -1), (0, -1), (0, 0), (1, 0), (1, 1), (-1, 1)])
 ANY_POLYGONS = {
-    "agglomerates in an L": (lambda: agglomerated(triangulate(L_SHAPE, size=0.12), 40), 0.08),
+    "agglomerates in an L": (lambda: agglomerated(triangulate(L_SHAPE, size=0.2), 15), 0.08),
     "duals in an L": (lambda: dual(triangulate(L_SHAPE, size=0.5)), 0.08),
     "voronoi": (lambda: voronoi(square(1.0), 30, iterations=0), 0.02),
 }

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flangeway import quantities
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_quantities import PatchResult
+from flangeway.cases.wheelset.wheelset_quantities import PATCH
 from flangeway.elements import Lagrange, Virtual
 from flangeway.exact.half_space import half_space_stresses
 from flangeway.geometry import square
@@ -226,18 +227,17 @@ def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
         {"lateral_mm": 2.0, "size_scale": 6.0, "order": 1, "rail_support": "continuous", "gauge_at": "narrowest"}
     )
     run = case.run()
-    numbers = next(each for each in run.patches if each.patch.side == "right")
     patch = next(each for each in run.result.patches if each.side == "right")
-    grid, found = patch.state.grid.grid, patch.field("rail").max_von_mises
+    grid, found = patch.state.grid.grid, patch.stress_fields["rail"].max_von_mises
     s, depth, along = found.position
     near = [(s + 0.1 * i, along) for i in range(-2, 3)]
-    values = by_cells(grid.cells, grid.along, patch.state.cells.pressures, near, depth + 0.1 * np.arange(-2, 3), 0.3)[0]
+    values = by_cells(grid.cells, grid.along, patch.cells.pressures, near, depth + 0.1 * np.arange(-2, 3), 0.3)[0]
     assert found.value == pytest.approx(values.max(), rel=0.01)
-    assert isinstance(numbers, PatchResult)
-    highest, _, rail = numbers.maximum("rail", "max_von_mises")
+    numbers = quantities.values(PATCH, patch)
+    highest, rail = numbers["in_rail_max_von_mises_MPa"], np.array(numbers["in_rail_max_von_mises_position_mm"])
     assert highest == pytest.approx(634.0, rel=0.05)
-    assert numbers.below_centre("rail")[0] < 0.65 * highest
+    assert numbers["von_mises_below_centre_MPa"] < 0.65 * highest
     # the point lies below the rail's surface, on its normal, and the wheel's as far above
-    wheel = numbers.maximum("wheel", "max_von_mises")[2]
+    wheel = np.array(numbers["in_wheel_max_von_mises_position_mm"])
     assert np.linalg.norm(rail - wheel) == pytest.approx(2.0 * depth, rel=1e-6)
     assert rail[1] < patch.centre_mm[1] < wheel[1]

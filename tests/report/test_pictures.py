@@ -96,12 +96,12 @@ def test_the_area_of_the_pressures_is_the_force(runs):
     run = runs["fem"]
     highest = max(patch.max_pressure for patch in run.patches)
     for axes, side in zip(section_figure(run).axes, SIDES, strict=True):
-        (patch,) = (patch for patch in run.patches if patch.patch.side == side)
+        (patch,) = (patch for patch in run.patches if patch.side == side)
         x, y = axes.patches[-1].get_xy()[:-1].T
         area = abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
         force = area * highest / ORDINATE_MM * run.problem.thickness_mm
         # without half of an element at both ends
-        assert force == pytest.approx(patch.normal_force, rel=0.2)
+        assert force == pytest.approx(patch.normal_force_N, rel=0.2)
 
 
 def test_deformed_surfaces_meet(runs):
@@ -188,7 +188,9 @@ def test_pressures_are_drawn_on_their_cells(seed, sign):
     pressures = np.where(random.random((12, 9)) < 0.7, random.uniform(100.0, 900.0, (12, 9)), 0.0)
     pressures[[0, -1]] = pressures[:, [0, -1]] = 0.0
     grid = PatchGrid(bounds, strip, 9)
-    cells = CellForces(pressures * grid.areas, grid, np.zeros((12, 2)), np.zeros((12, 2)), 0.0 * pressures, 1e5)
+    cells = CellForces(
+        pressures * grid.areas, grid, np.zeros((12, 2)), np.zeros((12, 2)), 0.0 * pressures, 1e5, 0.0 * pressures
+    )
     figure, (axes,) = maps_figure([PatchMap(cells, [], bounds[3], sign)], "x", "z")
     line = next(each for each in axes.collections if isinstance(each, LineCollection))
     length = sum(np.linalg.norm(np.diff(ends, axis=0)) for ends in line.get_segments())

@@ -11,11 +11,12 @@ from scipy.interpolate import interp1d
 
 from flangeway.cases import CASES
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import Creepages
-from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rolling_contact_of
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.wheelset.wheel_patch import rolling_contact_of
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.page import html_page
@@ -55,9 +56,13 @@ def rolling(run):
         contact = rolling_contact_of(patch, Friction(0.35))
         sign = SIDE_SIGN[patch.side]
         found = roll(contact, Creepages(sign * 0.5e-3, -1e-3, -sign * 4e-4))
-        patches.append(RollingPatch(patch, found, contact, 20.0))
-    result = replace(run.result, rolling=tuple(patches))
-    return WheelsetRun(run.case, result, 1.0)
+        patches.append(replace(patch, creep=CreepState(found, contact, -sign, 20.0)))
+    tractions = {
+        side: sum(each.on_side(each.creep, each.creep.forces.tractions) for each in patches if each.side == side)
+        for side in SIDES
+    }
+    patches = tuple(replace(patch, tractions=tractions[patch.side]) for patch in patches)
+    return WheelsetRun(run.case, replace(run.result, patches=patches), 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -132,9 +137,8 @@ def test_the_viewer_shows_the_stress_below_the_patches(rolling):
     largest, *at_depths = (field for field in scene.fields if field.group == "Below the patches")
     assert [field.name.split("depth of ")[1] for field in at_depths] == [f"{depth:g} mm" for depth in BELOW_MM]
     for part in scene.parts:
-        patches = [each for each in rolling.patches if each.patch.side == part.side]
-        volumes = [each.patch.field("rail", rolling.space.tractions_of(part.side)) for each in patches]
-        highest = max(each.maximum("rail", "max_von_mises")[0] for each in patches)
+        volumes = [each.stress_fields["rail"] for each in rolling.patches if each.side == part.side]
+        highest = max(each.max_von_mises.value for each in volumes)
         values = part.cell_arrays[largest.array]
         assert values.max() == pytest.approx(highest, rel=0.02)
         for field, depth in zip(at_depths, BELOW_MM, strict=True):
@@ -179,7 +183,7 @@ def test_the_volumes_below_the_patches_hold_the_maximum_at_its_position(rolling,
 def test_sections_have_the_pressure_of_the_patch_and_the_bending_of_the_rail(run, plain, side):
     """The normal stress at the surfaces is the pressure, the foot has the rail's stress, displaced the bodies meet."""
     patch = next(each for each in run.result.patches if each.side == side)
-    normal = np.append(patch.force_on_wheel_N, 0.0) / np.linalg.norm(patch.force_on_wheel_N)
+    normal = patch.force_on_wheel_N / patch.normal_force_N
     apart = 0.0
     for role, outward in (("rail", 1.0), ("wheel", -1.0)):
         found = meshio.read(plain / f"section-{role}-{side}.vtu")
@@ -187,7 +191,7 @@ def test_sections_have_the_pressure_of_the_patch_and_the_bending_of_the_rail(run
         near = np.linalg.norm(moved - patch.centre_mm, axis=1) < 3.0
         tensors = stresses[:, ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
         pressed = -np.einsum("i,nij,j->n", normal, tensors, normal)[near]
-        assert pressed.max() == pytest.approx(patch.ellipse.max_pressure, rel=0.15)
+        assert pressed.max() == pytest.approx(patch.max_pressure, rel=0.15)
         apart += (moved[near] @ normal * outward).max()
         if role == "rail":
             _check_foot(run.result, side, found.points, stresses[:, 2])
@@ -222,14 +226,14 @@ def test_tables_hold_the_patches_and_the_stresses_below_them(rolling, folder):
     with (folder / "subsurface.csv").open(encoding="utf-8") as file:
         below = list(csv.DictReader(file))
     for patch in rolling.patches:
-        where = patch.patch.side, patch.patch.region
+        where, line = (patch.side, patch.region), patch.lines["rail"]
         mises = [float(row["von_mises_MPa"]) for row in below if (row["side"], row["region"]) == where]
-        assert max(mises) == pytest.approx(patch.below_centre("rail")[0], rel=1e-5)
+        assert max(mises) == pytest.approx(line.maximum(line.stresses.von_mises)[0], rel=1e-5)
 
 
 def test_a_search_without_patches_has_no_empty_pictures_and_tables(run):
     """Where no equilibrium was found, pictures and tables of patches are left out; position and forces stay."""
-    nothing = replace(run.result, patches=(), rolling=())
+    nothing = replace(run.result, patches=())
     record = case_record(replace(run, result=nothing))
     assert [picture.file for picture in record.pictures] == ["wheelset.png", "rails.png"]
     assert "Patches" not in [table.caption for table in record.tables]
@@ -243,13 +247,13 @@ def test_surfaces_carry_the_creep_forces_and_their_power(rolling, folder, side):
 
     No traction is above 0.35 times the pressure; where it sticks there is no slip.
     """
-    mine = [each for each in rolling.result.rolling if each.patch.side == side]
+    mine = [each for each in rolling.patches if each.side == side]
     wanted = sum(each.creep_force_on_wheel_N for each in mine)
     corners, arrays = quads(folder / f"rail-{side}.vtu")
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1)
     np.testing.assert_allclose(areas @ arrays["traction_MPa"], -wanted, atol=5e-3 * np.linalg.norm(wanted))
-    power = sum(20.0 * each.forces.frictional_power for each in mine)
+    power = sum(20.0 * each.creep.forces.frictional_power for each in mine)
     assert areas @ arrays["frictional_power_W_mm2"] == pytest.approx(power, rel=5e-3)
     assert power > 0.0
     size = np.linalg.norm(arrays["traction_MPa"], axis=1)
@@ -270,20 +274,20 @@ def test_the_tables_have_columns_of_friction(rolling, folder):
     """A row a patch has the summary's creepages and forces, and the report a section with its three pictures."""
     with (folder / "patches.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    for row, patch, own in zip(rows, rolling.patches, rolling.result.rolling, strict=True):
+    for row, (patch, own) in zip(rows, rolling.result.rolling, strict=True):
         wanted = {
             "longitudinal_creepage": own.longitudinal_creepage,
             "lateral_creepage": own.lateral_creepage,
             "spin_creepage_per_m": own.spin_creepage_per_m,
-            "lateral_creep_force_kN": 1e-3 * own.lateral_creep_force_N,
+            "lateral_creep_force_kN": 1e-3 * own.lateral_force_N,
             "spin_moment_Nm": own.spin_moment_Nm,
             "t_gamma_N": own.t_gamma_N,
             "traction_coefficient": own.used_friction,
             "pressure_over_shear_strength": patch.max_pressure * np.sqrt(3.0) / 510.0,
             "frictional_power_W": 20.0 * own.forces.frictional_power,
             # normal and creep force together
-            "lateral_force_kN": 1e-3 * own.force_on_wheel_N[0],
-            "vertical_force_kN": 1e-3 * own.force_on_wheel_N[1],
+            "lateral_force_kN": 1e-3 * patch.force_on_wheel_N[0],
+            "vertical_force_kN": 1e-3 * patch.force_on_wheel_N[1],
         }
         assert {name: float(row[name]) for name in wanted} == pytest.approx(wanted, rel=1e-5)
     text = (folder / "report.html").read_text(encoding="utf-8")

@@ -29,7 +29,7 @@ INPUTS = {
         "rolling_theory": "fastsim",
         "curve_radius_m": 600.0,
         "speed_km_h": 50.0,
-        "size_scale": 8.0,
+        "size_scale": 6.0,
         "order": 1,
         "patch_cells": 10,
         "rail_support": "continuous",

@@ -105,6 +105,7 @@ def test_adaptive_reaches_the_error_of_uniform_with_a_tenth_of_the_unknowns():
     check(steps[-1].mesh, region_area=3.0)
 
 
+@pytest.mark.ci
 def test_rates_are_those_of_theory(quadratic):
     """Over unknowns N uniform errors fall as N to minus half the exponent, adaptive ones of order 2 as 1 / N."""
     coarse = uniform(Virtual(2), l_shape(2), 4)
@@ -116,13 +117,24 @@ def test_rates_are_those_of_theory(quadratic):
     assert rate([row for row in quadratic[1] if row[0] > 1000]) == pytest.approx(1.0, abs=0.15)
 
 
-def test_the_estimate_is_near_the_true_error(quadratic):
-    """From 500 unknowns on it is 0.8 to 1.25 times the true error; of order 2 it errs on the safe side, up to 1.7."""
-    for steps, most in ((adaptive(Virtual(1), l_shape(2), tolerance=0.06), 1.25), (quadratic[0][:-2], 1.7)):
-        fine = [step for step in steps if step.solution.problem.space.n_nodes > 250]
-        assert len(fine) > 2
-        for step in fine:
-            assert 0.8 < step.error / stress_errors(step.solution, EXACT.stresses, degree=12)[0] < most
+def estimates(steps):
+    """Estimated over true errors of the steps from 500 unknowns on."""
+    fine = [step for step in steps if step.solution.problem.space.n_nodes > 250]
+    assert len(fine) > 2
+    return np.array([step.error / stress_errors(step.solution, EXACT.stresses, degree=12)[0] for step in fine])
+
+
+def test_the_estimate_is_near_the_true_error():
+    """From 500 unknowns on it is 0.8 to 1.25 times the true error."""
+    found = estimates(adaptive(Virtual(1), l_shape(2), tolerance=0.06))
+    assert ((found > 0.8) & (found < 1.25)).all()
+
+
+@pytest.mark.ci
+def test_the_estimate_of_order_2_errs_on_the_safe_side(quadratic):
+    """From 500 unknowns on it is 0.8 to 1.7 times the true error."""
+    found = estimates(quadratic[0][:-2])
+    assert ((found > 0.8) & (found < 1.7)).all()
 
 
 def side_errors(mesh):

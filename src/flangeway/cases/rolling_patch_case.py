@@ -24,10 +24,10 @@ from flangeway.cases.patch_quantities import (
     THEORY,
     TRACTION,
     Creep,
-    CreepResult,
 )
 from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import FAST, WITH_TRACTIONS, Theory
@@ -135,9 +135,9 @@ class RollingPatchRun(RunResult):
     case: "RollingPatchCase"
     timings_s: Mapping[str, float]
     contact: RollingContact
-    state: CreepResult
-    theories: Sequence[CreepResult]
-    curve: Mapping[Theory, Sequence[CreepResult]]
+    state: CreepState
+    theories: Sequence[CreepState]
+    curve: Mapping[Theory, Sequence[CreepState]]
     notices: Sequence[str]
 
     @property
@@ -309,7 +309,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         total = time.perf_counter()
         timings = {"pressures": pressed - start, "rolling": rolled - pressed, "curve": total - rolled}
         notices = [*dict.fromkeys((*exact.motion.notices, *self._friction.notices, *forces.notices, *notices))]
-        state, *theories = (CreepResult(result, result.motion, contact.force) for result in (forces, *states))
+        state, *theories = (CreepState(result, contact) for result in (forces, *states))
         return RollingPatchRun(self, timings | {"total": total - start}, contact, state, theories, curve, notices)
 
     @property
@@ -370,7 +370,7 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
 
     def _curve(
         self, contact: RollingContact, motion: Creepages, progress: Progress
-    ) -> tuple[dict[Theory, list[CreepResult]], Iterable[str]]:
+    ) -> tuple[dict[Theory, list[CreepState]], Iterable[str]]:
         """Points of the creep curve by theories, and what is to be said about it."""
         if not self.has_curve:
             return {}, ()
@@ -386,8 +386,5 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         states |= {theory: [compute(contact, step) for step in motions] for theory, compute in self._theories.items()}
         failed = sum(not point.status.converged for point in exact)
         notices = [f"{failed} of {len(exact)} points of the creep curve by the exact theory did not converge"]
-        curve = {
-            theory: [CreepResult(point, point.motion, contact.force) for point in forces]
-            for theory, forces in states.items()
-        }
+        curve = {theory: [CreepState(point, contact) for point in forces] for theory, forces in states.items()}
         return curve, notices[:failed]

@@ -25,10 +25,9 @@ from flangeway.cases.patch_quantities import (
     ON_SURFACE,
 )
 from flangeway.cases.summary import RunResult
-from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact, press_patch
+from flangeway.contact.patch.patch_contact import PatchContact, SpatialPatch, press_patch
 from flangeway.contact.patch.patch_grid import Axis, PatchBody, PatchGrid, cast, grid_about, grid_of, points_along
 from flangeway.errors import InputError
-from flangeway.exact import PointContact
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
@@ -40,20 +39,6 @@ from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats, Progress
 
 # --- Numbers of two bodies in contact in three dimensions.
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialPatchResult:
-    """A patch of a contact."""
-
-    contact: PatchContact
-    ellipse: ContactEllipse
-    remark: str | None = None
-
-    @cached_property
-    def hertz(self) -> PointContact | None:
-        """Hertz's contact for its force and curvatures."""
-        return self.contact.hertz(self.ellipse)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,20 +59,15 @@ class SpatialBodyResult:
         """Of the body."""
         return self.body.name
 
-    def maximum(self, values: Floats) -> tuple[float, float]:
-        """Maximum of a stress on the line below the patch, MPa, and its depth in mm."""
-        at = int(np.nanargmax(values))
-        return float(values[at]), float(self.profile.depths[at])
-
     @property
     def von_mises(self) -> tuple[float, float]:
         """Maximum von Mises stress and its depth."""
-        return self.maximum(self.profile.stresses.von_mises)
+        return self.profile.maximum(self.profile.stresses.von_mises)
 
     @property
     def tresca(self) -> tuple[float, float]:
         """Maximum of Tresca's stress and its depth."""
-        return self.maximum(self.profile.stresses.tresca)
+        return self.profile.maximum(self.profile.stresses.tresca)
 
 
 LOAD: Quantity[PatchContact] = Quantity("load", "force", lambda contact: contact.force[1], "kN", ".5g", factor=1e-3)
@@ -113,9 +93,9 @@ CONTACT: Quantities[PatchContact] = (
         meaning="overlap outside of the patch relative to the approach",
     ),
 )
-PATCH: Quantities[SpatialPatchResult] = (
-    Quantity("force", "force", lambda patch: patch.ellipse.force, "N", "z.1f", ("x", "y")),
-    Quantity("centre", "centre of pressure", lambda patch: patch.ellipse.centre, "mm", "z.3f", ("x", "y", "z")),
+PATCH: Quantities[SpatialPatch] = (
+    Quantity("force", "force", lambda patch: patch.force, "N", "z.1f", ("x", "y")),
+    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", "z.3f", ("x", "y", "z")),
     MAX_PRESSURE,
     HERTZ_PRESSURE,
     AXES,
@@ -216,10 +196,10 @@ class SpatialRun(RunResult):
         """How it ended."""
         return self.contact.status
 
-    @cached_property
-    def patches(self) -> list[SpatialPatchResult]:
+    @property
+    def patches(self) -> list[SpatialPatch]:
         """The patches by falling force."""
-        return [SpatialPatchResult(self.contact, ellipse) for ellipse in self.contact.patches]
+        return self.contact.patches
 
     @cached_property
     def bodies(self) -> list[SpatialBodyResult]:

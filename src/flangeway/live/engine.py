@@ -191,8 +191,8 @@ class LiveEngine:
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),
             "lateral_mm": result.equilibrium.position.lateral_mm,
-            "max_pressure_MPa": max((patch.ellipse.max_pressure for patch in result.patches), default=None),
-            "t_gamma_N": sum(patch.t_gamma_N for patch in result.rolling) if result.rolling else None,
+            "max_pressure_MPa": max((patch.max_pressure for patch in result.patches), default=None),
+            "t_gamma_N": sum(creep.t_gamma_N for _, creep in result.rolling) if result.rolling else None,
         }
 
     def report(self, inputs: Mapping[str, str]) -> str:
@@ -299,8 +299,9 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
         drawn, cells = shown.cells_drawn, shown.cells
         if not drawn.chosen.any():
             continue
-        tractions, below = run.space.tractions_of(side), stresses_below(run.space, side)
+        below = stresses_below(run.space, side)
         patches = [patch for patch in run.space.patches if patch.side == side]
+        tractions = next((patch.tractions for patch in patches), None)
         sides[side] = {
             "polygons": _rounded(drawn.polygons),
             "outline": _rounded(drawn.outline),
@@ -313,9 +314,7 @@ def _patches(run: WheelsetRun) -> dict[str, Any]:
             if tractions is None
             else _rounded(tractions[drawn.chosen] * np.array([-SIDE_SIGN[side], 1.0]), 1),
             # cells of each patch, by its region
-            "patches": [
-                [patch.region, np.flatnonzero(patch.ellipse.inside[drawn.chosen]).tolist()] for patch in patches
-            ],
+            "patches": [[patch.region, np.flatnonzero(patch.inside[drawn.chosen]).tolist()] for patch in patches],
         }
     return sides
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.polynomial.chebyshev import chebvander
 
-from flangeway.contact.patch.patch_contact import MIN_WAVENUMBER, ContactEllipse, PatchContact
+from flangeway.contact.patch.patch_contact import MIN_WAVENUMBER, PatchContact, SpatialPatch
 from flangeway.contact.patch.patch_grid import PatchBody, points_along
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space import half_space_field, half_space_stresses
@@ -179,8 +179,13 @@ class DepthProfile:
     depths: Floats
     stresses: SpatialStresses
 
+    def maximum(self, values: Floats) -> tuple[float, float]:
+        """Maximum of a stress (n,) of the profile, MPa, and its depth in mm."""
+        at = int(np.nanargmax(values))
+        return float(values[at]), float(self.depths[at])
 
-def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Floats) -> DepthProfile:
+
+def depth_profile(section: SectionStresses, patch: SpatialPatch, depths: Floats) -> DepthProfile:
     """Stresses at depths (n,) below the centre of pressure of a patch."""
     chain = section.body.chain
     station = shapely.line_locate_point(shapely.LineString(chain), shapely.Point(patch.centre[:2]))

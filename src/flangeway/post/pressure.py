@@ -104,6 +104,11 @@ class PressurePatch(Result):
         return self.forces.sum(axis=0)
 
     @property
+    def max_pressure(self) -> float:
+        """Maximum pressure of its nodes."""
+        return float(self.pressures.max())
+
+    @property
     def centre(self) -> Floats:
         """Centre of pressure, shape (2,)."""
         return self.normal_forces @ self.points / self.normal_forces.sum()

@@ -12,11 +12,10 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Patch
 
-from flangeway.contact.patch.patch_contact import CellForces, ContactEllipse
+from flangeway.contact.patch.patch_contact import CellForces, SpatialPatch
 from flangeway.contact.patch.patch_grid import pairs_of
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Rolling
-from flangeway.exact import PointContact
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import DepthProfile
@@ -60,13 +59,13 @@ class PatchMap:
     """Pressures on cells, to be drawn with lengths along the surface to the right and z up.
 
     - `cells`: forces on the cells.
-    - `patches`: each with Hertz's contact, None where it has no meaning.
+    - `patches`: on these cells.
     - `origin`: length along the surface that is drawn at zero.
     - `sign`: 1 where rising lengths along the surface run to the left, else -1.
     """
 
     cells: CellForces
-    patches: Sequence[tuple[ContactEllipse, PointContact | None]]
+    patches: Sequence[SpatialPatch]
     origin: float
     sign: float = 1.0
 
@@ -74,11 +73,11 @@ class PatchMap:
         """Places to the right of lengths along the surface."""
         return self.sign * (self.origin - stations)
 
-    def centre(self, patch: ContactEllipse) -> Floats:
+    def centre(self, patch: SpatialPatch) -> Floats:
         """Centre of pressure of a patch as it is drawn, shape (2,)."""
-        return np.array([self.across(station_of(self.cells, patch)), patch.centre[2]])
+        return np.array([self.across(np.array(patch.station)), patch.centre[2]])
 
-    def tilt(self, patch: ContactEllipse) -> float:
+    def tilt(self, patch: SpatialPatch) -> float:
         """Angle in radians from the right to the longer semi-axis as it is drawn."""
         # in a patch from z towards rising lengths, which run to the left
         return np.pi / 2.0 + self.sign * patch.angle_rad
@@ -99,19 +98,13 @@ class PatchMap:
         return DrawnCells.between(self.across(grid.bounds), grid.strip_bounds, self.cells.forces > 0.0)
 
 
-def station_of(cells: CellForces, patch: ContactEllipse) -> Floats:
-    """Length along the surface of the centre of pressure of a patch."""
-    forces = np.where(patch.inside, cells.forces, 0.0).sum(axis=1)
-    return np.asarray(forces @ cells.grid.stations / forces.sum())
-
-
 def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
     """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
     drawn, scale = shown.cells_drawn, Normalize(0.0, highest)
     _fill(axes, drawn, shown.cells.pressures, COLOURS, scale)
     axes.add_collection(LineCollection(list(drawn.outline), colors=INK, linewidths=1.0, capstyle="projecting"))
-    for patch, hertz in shown.patches:
-        if hertz is not None:
+    for patch in shown.patches:
+        if (hertz := patch.hertz) is not None:
             first = not axes.get_legend_handles_labels()[0]
             width, height = (2.0 * axis for axis in hertz.semi_axes)
             style: Style = {"fill": False, "ec": GREY, "ls": "--", "lw": 1.2, "label": "Hertz" if first else ""}

@@ -11,7 +11,7 @@ from flangeway.cases.section_run import SectionRun
 from flangeway.contact import LoadStep
 from flangeway.formats import write_vtu
 from flangeway.post import Stresses, shear_stresses
-from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
+from flangeway.railway.wheelset.plane_patch import WheelRailPatch
 from flangeway.report.figures.display import ShownCells, field_arrays, placed_stresses, shown_cells
 from flangeway.report.figures.drawing import load_steps
 from flangeway.report.section_figures import warping_about_shear_centre
@@ -131,10 +131,10 @@ def wheelset_scene(parts: Sequence[ShownPart], patches: Sequence[WheelRailPatch]
     """Parts of a wheelset with element averages, and a view of each contact."""
     views = []
     for patch in patches:
-        x, y = patch.pressure.centre.tolist()
+        x, y = patch.centre.tolist()
         alone = sum(other.side == patch.side for other in patches) == 1
         name = f"{patch.side} {'contact' if alone else patch.region}"
-        views.append(View(name, (x, y), VIEW_WIDTHS * patch.pressure.half_width))
+        views.append(View(name, (x, y), VIEW_WIDTHS * patch.half_width))
     notes = (
         "Stresses are element averages in the axes of the picture, tension positive; the VTU files have them at the "
         "elements' corners. Displacements are elastic nodal displacements. The deformation factor scales "

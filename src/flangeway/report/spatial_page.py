@@ -18,7 +18,7 @@ from flangeway.report.figures.display import collection
 from flangeway.report.figures.drawing import named, panels
 from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across, with_whole
-from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, station_of, strip_mesh
+from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
@@ -44,8 +44,7 @@ def depth_figure(run: SpatialRun) -> Figure:
 def _map(run: SpatialRun) -> PatchMap:
     """Patches with the first one's centre at zero."""
     contact = run.contact
-    origin = float(station_of(contact.cells, contact.patches[0]))
-    return PatchMap(contact.cells, [(patch, contact.hertz(patch)) for patch in contact.patches], origin)
+    return PatchMap(contact.cells, contact.patches, contact.patches[0].station)
 
 
 PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {

@@ -13,9 +13,8 @@ from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.wheelset.rolling.patch_rolling import rolling_contact_of
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch, rolling_contact_of
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, cached
 from flangeway.tables import creep_sampling
@@ -117,12 +116,12 @@ def _refused(task: PositionTask, status: Status) -> InputError:
     )
 
 
-def _numbers(patch: SpatialPatch, sampled: SampledPatch, axle: Floats) -> dict[str, Any]:
+def _numbers(patch: WheelPatch, sampled: SampledPatch, axle: Floats) -> dict[str, Any]:
     """Numbers of a patch, those of `OF_PATCH` and its side."""
     values = (
         sampled.contact.force, patch.contact_angle_rad, patch.state.pose.whole_roll, patch.rolling_radius_mm,
-        patch.centre_mm - axle, patch.rail_point_mm, patch.wheel_point_mm, np.array(patch.ellipse.semi_axes),
-        patch.ellipse.max_pressure, sampled.free, sampled.stiffness, sampled.radius,
+        patch.centre_mm - axle, patch.rail_point_mm, patch.wheel_point_mm, np.array(patch.semi_axes),
+        patch.max_pressure, sampled.free, sampled.stiffness, sampled.radius,
     )  # fmt: skip
     return {"side": SIDES.index(patch.side), **dict(zip(OF_PATCH, values, strict=True))}
 

@@ -90,12 +90,12 @@ def repeated(load_factor: float, friction: float, steel: RollingSteel = STEEL) -
         (3.05, 0.0, "elastic"),
         (3.95, 0.0, "shakedown"),
         (4.05, 0.0, "ratchetting"),
-        (3.70, 0.1, "ratchetting"),
-        (2.80, 0.3, "shakedown"),
+        pytest.param(3.70, 0.1, "ratchetting", marks=pytest.mark.ci),
+        pytest.param(2.80, 0.3, "shakedown", marks=pytest.mark.ci),
         (2.42, 0.4, "shakedown"),
         (2.58, 0.4, "ratchetting"),
-        (1.94, -0.5, "shakedown"),
-        (2.06, -0.5, "ratchetting"),
+        pytest.param(1.94, -0.5, "shakedown", marks=pytest.mark.ci),
+        pytest.param(2.06, -0.5, "ratchetting", marks=pytest.mark.ci),
     ],
 )
 def test_passages_show_the_limits_of_melan(load_factor: float, friction: float, state: str) -> None:

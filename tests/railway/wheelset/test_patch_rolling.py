@@ -5,15 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import STRIPS_BEYOND, Creepages, Rolling, RollingContact
+from flangeway.contact.rolling.rolling_contact import STRIPS_BEYOND, Creepages, Rolling, RollingContact, box_of
 from flangeway.materials import Elastic
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, box_of, rolling_contact_of
+from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheel_patch import rolling_contact_of
 from flangeway_studies.wheelset3d_study import as_half_spaces
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -28,7 +30,7 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
     """One code gives one and three axes; coefficients at no distance are symmetric, and positive definite."""
     patch = bodies.patches[0]
     contact = rolling_contact_of(patch, Friction(0.3))
-    rows, strips = box_of(patch.ellipse.inside)
+    rows, strips = box_of(patch.inside)
     assert contact.pressures.shape == (rows.stop - rows.start, strips.stop - strips.start)
     normal = patch.state.grid.coefficients[: contact.grid.n_strips, rows, rows]
     found = contact.coefficients[: contact.grid.n_strips, 1::3, 1::3]
@@ -37,7 +39,7 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
     np.testing.assert_allclose(contact.coefficients[0], contact.coefficients[0].T, atol=1e-6 * normal.max())
     assert np.linalg.eigvalsh(contact.coefficients[0]).min() > 0.0
     # the wheel's own elastic surface is not in the plane of the patch: only the pressures of this patch count
-    assert contact.force == pytest.approx(np.linalg.norm(patch.ellipse.force), rel=1e-3)
+    assert contact.force == pytest.approx(np.linalg.norm(patch.force), rel=1e-3)
 
 
 def test_half_spaces_on_a_tread_are_flat_half_spaces(wheelset):
@@ -65,28 +67,29 @@ def test_creep_forces_in_the_axes_of_the_track(bodies, theory):
         sign = -1.0 if patch.side == "right" else 1.0
         contact = rolling_contact_of(patch, Friction(0.3))
         state = theory(contact, Creepages(2e-3, 1e-3, sign * 0.0))
-        found[patch.side] = RollingPatch(patch, state, contact, 20.0)
+        found[patch.side] = replace(patch, creep=CreepState(state, contact, sign, 20.0))
     left, right = found["left"], found["right"]
+    creep = right.creep
     assert left.creep_force_on_wheel_N == pytest.approx(right.creep_force_on_wheel_N * (-1.0, 1.0, 1.0), rel=1e-4)
-    assert right.creep_force_on_wheel_N[2] < 0.0 < right.longitudinal_creepage
-    assert right.creep_force_on_wheel_N[0] > 0.0 > right.lateral_creepage
+    assert right.creep_force_on_wheel_N[2] < 0.0 < creep.longitudinal_creepage
+    assert right.creep_force_on_wheel_N[0] > 0.0 > creep.lateral_creepage
     # almost level: the tread is inclined 1:40
     assert right.creep_force_on_wheel_N[:2] == pytest.approx(
-        -right.forces.across * np.array([np.cos(right.patch.contact_angle_rad), np.sin(right.patch.contact_angle_rad)]),
-        abs=2e-3 * abs(right.forces.across),
+        -creep.forces.across * np.array([np.cos(right.contact_angle_rad), np.sin(right.contact_angle_rad)]),
+        abs=2e-3 * abs(creep.forces.across),
     )
     assert right.force_on_wheel_N[1] == pytest.approx(100e3, rel=0.02)
-    assert right.used_friction <= 0.3 * (1.0 + 1e-6)
-    power = -20.0 * (right.creep_force_on_wheel_N[2] * right.longitudinal_creepage + right.forces.across * 1e-3)
-    resisting = right.forces.rolling_power if isinstance(right.forces, Rolling) else 0.0
-    assert right.power_W == pytest.approx(power + 20.0 * resisting, rel=1e-3)
+    assert creep.used_friction <= 0.3 * (1.0 + 1e-6)
+    power = -20.0 * (right.creep_force_on_wheel_N[2] * creep.longitudinal_creepage + creep.forces.across * 1e-3)
+    resisting = creep.forces.rolling_power if isinstance(creep.forces, Rolling) else 0.0
+    assert creep.power_W == pytest.approx(power + 20.0 * resisting, rel=1e-3)
 
 
 def test_spin_is_counter_clockwise_from_above(bodies):
     """A moment against the spin on either side."""
     for patch in bodies.patches:
         contact = rolling_contact_of(patch, Friction(0.3))
-        found = RollingPatch(patch, roll(contact, Creepages(spin=1e-4)), contact)
+        found = CreepState(roll(contact, Creepages(spin=1e-4)), contact, -SIDE_SIGN[patch.side])
         assert found.spin_creepage_per_m == pytest.approx(-0.1 if patch.side == "right" else 0.1)
         assert found.spin_moment_Nm * found.spin_creepage_per_m < 0.0
 
@@ -110,7 +113,7 @@ def test_different_materials_find_their_pressures_anew():
 def test_friction_of_each_row_is_cut_out_with_the_rows(bodies):
     """Coefficients of all rows of the side go with their cells."""
     patch = bodies.patches[0]
-    rows, _ = box_of(patch.ellipse.inside)
-    static = np.linspace(0.1, 0.5, len(patch.ellipse.inside))
+    rows, _ = box_of(patch.inside)
+    static = np.linspace(0.1, 0.5, len(patch.inside))
     contact = rolling_contact_of(patch, Friction(static))
     np.testing.assert_array_equal(contact.friction.limits[0], static[rows])

@@ -1,5 +1,6 @@
 """A wheelset in three dimensions: equilibrium, symmetry, fine grids and contact outside of them."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,7 +11,6 @@ from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
@@ -40,7 +40,7 @@ def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored
     total = np.zeros(3)
     for patch in left.patches:
         force, place = (
-            patch.force_on_wheel_N,
+            patch.force_on_wheel_N[:2],
             patch.centre_mm[:2] - left.equilibrium.position.axle(left.problem.wheelset),
         )
         total += (*force, place[0] * force[1] - place[1] * force[0])
@@ -50,9 +50,9 @@ def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored
     assert total[2] == pytest.approx(-load[2], abs=1e-4 * 200e3 * 750.0)
     one, other = left.equilibrium.position.components, right.equilibrium.position.components
     assert one == pytest.approx((-other[0], other[1], -other[2]), abs=1e-7)
-    pressures = {(p.side, round(p.ellipse.max_pressure, 3)) for p in left.patches}
+    pressures = {(p.side, round(p.max_pressure, 3)) for p in left.patches}
     opposite = {"left": "right", "right": "left"}
-    assert pressures == {(opposite[p.side], round(p.ellipse.max_pressure, 3)) for p in right.patches}
+    assert pressures == {(opposite[p.side], round(p.max_pressure, 3)) for p in right.patches}
 
 
 def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
@@ -63,10 +63,10 @@ def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
         one = wheelset.at(case.load(), Prescribed(1.0), 0.0)
         found[cells] = solve_position(replace(one, model=replace(one.model, patch_cells=case.patch_cells)), {})
     for few, many in zip(found[13].patches, found[26].patches, strict=True):
-        counts = [patch.ellipse.cells for patch in (few, many)]
+        counts = [patch.n_cells for patch in (few, many)]
         assert min(counts[0]) >= 10
         assert max(counts[0]) < 20 <= max(counts[1])
-        assert few.ellipse.max_pressure == pytest.approx(many.ellipse.max_pressure, rel=0.01)
+        assert few.max_pressure == pytest.approx(many.max_pressure, rel=0.01)
 
 
 @pytest.mark.ci
@@ -87,13 +87,14 @@ def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
 
 
 @pytest.mark.ci
-def test_a_wheelset_is_moved_to_a_lateral_position_where_rails_deflect_and_refused_where_a_wheel_lifts(wheelset):
+def test_a_wheelset_is_held_at_a_lateral_position_where_rails_deflect_and_not_where_a_wheel_lifts(wheelset):
     """Between 16 and 22 mm the force that holds it grows evenly; 35 mm ends where it has derailed, in a few steps."""
     held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
     np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
     steps, beside = [], wheelset.at(wheelset.problem.load, Prescribed(35.0), 0.0)
-    with pytest.raises(InputError, match=r"lateral_mm = 35: derailed, at \d\d\.\d mm"):
-        solve_position(beside, {}, steps.append)
+    lost = solve_position(beside, {}, steps.append).status
+    assert not lost.converged
+    assert re.match(r"lateral_mm = 35: derailed, at \d\d\.\d mm", lost.message)
     assert len(steps) < 60
 
 
@@ -119,7 +120,7 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
     # `finer` asked anew: both sides of the first grid, of the one found too large or fine, and after the check
     assert len(calls) > 4
     for one, other in zip(whole.patches, again.patches, strict=True):
-        assert one.ellipse.max_pressure == pytest.approx(other.ellipse.max_pressure, rel=0.02)
+        assert one.max_pressure == pytest.approx(other.max_pressure, rel=0.02)
         assert one.force_on_wheel_N == pytest.approx(other.force_on_wheel_N, rel=5e-3, abs=50.0)
 
 
@@ -139,25 +140,25 @@ def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     problem, model = one.problem(), one.spatial_model()
     found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
     left, right = (next(p for p in found.patches if p.side == side) for side in SIDES)
-    assert left.force_on_wheel_N == pytest.approx(right.force_on_wheel_N * (-1.0, 1.0), rel=1e-6, abs=0.1)
+    assert left.force_on_wheel_N == pytest.approx(right.force_on_wheel_N * (-1.0, 1.0, 1.0), rel=1e-6, abs=0.1)
     assert right.force_on_wheel_N[1] == pytest.approx(100e3, rel=1e-7)
     assert found.equilibrium.position.lateral_mm == pytest.approx(0.0, abs=1e-6)
     pressed = spatial_patch(build_model(problem), "right", 100e3)
-    assert right.ellipse.max_pressure == pytest.approx(pressed.pressures.max(), rel=0.02)
+    assert right.max_pressure == pytest.approx(pressed.pressures.max(), rel=0.02)
 
 
 def test_tractions_on_the_wheel_act_below_a_patch_in_both_bodies(wheelset):
     """A traction of 0.3 p ahead on the wheel is its shear stress at the surface, and the opposite one of the rail's."""
     patch = solved(wheelset, lateral_mm=0.0).patches[0]
-    pressures = patch.state.cells.pressures
+    pressures = patch.cells.pressures
     tractions = np.stack((np.zeros_like(pressures), 0.3 * pressures), axis=2)
     for role, sign in (("wheel", 1.0), ("rail", -1.0)):
-        without, found = patch.below(role), patch.below(role, tractions)
+        without, found = patch.lines[role], replace(patch, tractions=tractions).lines[role]
         change = found.stresses.components - without.stresses.components
         # the line begins at a twentieth of the shorter semi-axis, where it is 0.84 of it
-        assert change[0, 4] == pytest.approx(sign * 0.3 * patch.ellipse.max_pressure, rel=0.2)
+        assert change[0, 4] == pytest.approx(sign * 0.3 * patch.max_pressure, rel=0.2)
         # what changes at the place itself is odd along z: normal stresses do not change below the middle
-        assert np.abs(change[:, :3]).max() < 0.02 * patch.ellipse.max_pressure
+        assert np.abs(change[:, :3]).max() < 0.02 * patch.max_pressure
         assert found.stresses.von_mises.max() > 1.005 * without.stresses.von_mises.max()
 
 
@@ -195,7 +196,7 @@ def state_of(bounds, loaded, gaps=1.0):
     side = GriddedSide(surfaces, grid, WheelPose(0.0, 460.0, 0.0))
     gaps = np.where(forces > 0.0, 0.0, gaps)
     stiffness, creep = np.zeros((3, 6)), np.zeros((len(forces), 2))
-    return SideState(side, side.pose, forces, points, normals, None, gaps, stiffness, creep)
+    return SideState(side, side.pose, forces, points, normals, SimpleNamespace(gaps=gaps), gaps, stiffness, creep)
 
 
 def covered(cells, low, high):

@@ -59,7 +59,7 @@ def test_forces_that_do_not_balance_are_an_error(coarse):
     """Contact forces that miss the load by a millionth are not converged, whatever the iteration said."""
     first = coarse.patches[0]
     for share, converged in ((1e-5, False), (1e-9, True)):
-        wrong = replace(first, force_on_wheel_N=first.force_on_wheel_N * (1.0 + share))
+        wrong = replace(first, forces=first.forces * (1.0 + share))
         status, _ = judge(coarse, patches=(wrong, *coarse.patches[1:]))
         assert status.converged == converged
     status, _ = judge(coarse, patches=coarse.patches[1:])
@@ -75,7 +75,7 @@ def test_what_is_not_a_number_is_an_error(coarse):
     field[3, 0] = np.nan
     name = next(iter(coarse.displacements))
     assert "not finite" in judge(coarse, displacements=coarse.displacements | {name: field})[0].message
-    lost = replace(coarse.patches[0], force_on_wheel_N=np.array([np.nan, 0.0]))
+    lost = replace(coarse.patches[0], forces=np.nan * coarse.patches[0].forces)
     assert not judge(coarse, patches=(lost, coarse.patches[1]))[0].converged
 
 
@@ -92,7 +92,7 @@ def test_contact_that_pulls_is_an_error(coarse):
 def test_contact_at_the_edge_or_outside_of_the_zone_is_an_error(coarse):
     """Contact at the end of the candidate zone and overlap outside of it are not converged, and both are reported."""
     left = coarse.patches[0]
-    cut = replace(left, pressure=replace(left.pressure, at_edge=True))
+    cut = replace(left, at_edge=True)
     overlap = BodyOverlap(("wheel-right", "rail-right"), 0.5, (800.0, -1.0), 0.01)
     status, _ = judge(coarse, patches=(cut, coarse.patches[1]), overlaps=(overlap, replace(overlap, depth=0.009)))
     assert not status.converged
@@ -122,10 +122,10 @@ def test_a_contact_of_few_segments_is_warned_of():
 def test_a_rough_pressure_is_told_with_its_scatter(coarse):
     """A pressure that jumps from node to node is warned of, with the oscillation in percent."""
     left = coarse.patches[0]
-    factors = 1.0 + 0.2 * (-1.0) ** np.arange(len(left.pressure.pressures))
-    rough = replace(left, pressure=replace(left.pressure, pressures=left.pressure.pressures * factors))
+    factors = 1.0 + 0.2 * (-1.0) ** np.arange(len(left.pressures))
+    rough = replace(left, pressures=left.pressures * factors)
     _, warnings = judge(coarse, patches=(rough, coarse.patches[1]))
-    percent = f"{100.0 * rough.pressure.oscillation:.0f} %"
+    percent = f"{100.0 * rough.oscillation:.0f} %"
     assert any(f"the left contact oscillates by {percent}" in warning for warning in warnings)
 
 

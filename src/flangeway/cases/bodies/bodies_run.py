@@ -120,7 +120,7 @@ class PairResult:
     @property
     def fullest(self) -> PressurePatch | None:
         """Region with the maximum pressure; None where nothing touches."""
-        return max(self.patches, key=lambda patch: float(patch.pressures.max()), default=None)
+        return max(self.patches, key=lambda patch: patch.max_pressure, default=None)
 
     @property
     def remark(self) -> str | None:
@@ -179,7 +179,7 @@ HALF_WIDTH: Quantity[PressurePatch] = Quantity(
     "half_width", "half width of contact", lambda patch: patch.half_width, "mm", ".6g"
 )
 PATCH_PRESSURE: Quantity[PressurePatch] = Quantity(
-    "max_pressure", "maximum pressure", lambda patch: patch.pressures.max(), "MPa", ".6g", remark=lambda p: p.remark
+    "max_pressure", "maximum pressure", lambda patch: patch.max_pressure, "MPa", ".6g", remark=lambda p: p.remark
 )
 REMARK: Quantity[Any] = Quantity("max_pressure_remark", "", lambda of: of.remark, meaning="why it is approximate")
 AT_EDGE: Quantity[PressurePatch] = Quantity(
@@ -200,7 +200,7 @@ SIDES: Quantities[PairResult] = (
 MAX_PRESSURE: Quantity[PairResult] = Quantity(
     "max_pressure",
     "maximum pressure",
-    lambda pair: 0.0 if pair.fullest is None else pair.fullest.pressures.max(),
+    lambda pair: 0.0 if pair.fullest is None else pair.fullest.max_pressure,
     "MPa",
     ".6g",
     remark=lambda pair: pair.remark,

@@ -83,7 +83,7 @@ HERTZ: Quantities[BodiesRun] = (
     ),
     Quantity(
         *("max_pressure_difference", "maximum pressure, relative difference"),
-        lambda run: _fullest(run).pressures.max() / _hertz(run).max_pressure - 1.0,
+        lambda run: _fullest(run).max_pressure / _hertz(run).max_pressure - 1.0,
         form=".3g",
     ),
     *of_part(_fullest, HALF_WIDTH),

@@ -140,7 +140,7 @@ class Wheelset(WheelsetProblem, RunnableCase):
         """See `RunnableCase.patch_rows`: on each side from the field to the gauge."""
         rows = []
         for result in run.wheels:
-            ordered = sorted(result.patches, key=lambda patch: -float(patch.patch.rail_point_mm[0]))
+            ordered = sorted(result.patches, key=lambda patch: -float(patch.rail_point_mm[0]))
             for number, patch in enumerate(ordered, 1):
                 row = dict(zip(self.patch_columns(), numbers(self.patch_row_quantities, patch), strict=True))
                 rows.append({"side": result.side, "number": number} | row)

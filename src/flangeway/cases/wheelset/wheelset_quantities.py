@@ -22,27 +22,19 @@ from flangeway.cases.patch_quantities import (
     SPIN_MOMENT,
     T_GAMMAS,
     TRACTION,
-    CreepResult,
 )
-from flangeway.contact.patch.patch_contact import ContactEllipse
-from flangeway.exact import PointContact
-from flangeway.post.patch_stresses import DepthProfile
+from flangeway.contact.rolling.creep_state import CreepState
+from flangeway.post.patch_stresses import StressField, StressMaximum
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, of_part
 from flangeway.railway.track.loads import WheelsetLoad
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track
+from flangeway.railway.track.placements import SIDES, Side, Track
 from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
-from flangeway.railway.wheelset.plane_wheelset import (
-    SEARCHED_FRACTION,
-    SubsurfaceExtreme,
-    WheelsetResult,
-    maximum_on,
-    stresses_below,
-)
+from flangeway.railway.wheelset.plane_patch import WheelRailPatch
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
-from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_newton import RolledWheelset
 from flangeway.types import Floats
 
@@ -55,142 +47,10 @@ REFERENCE = (
 XY, XYZ = ("x", "y"), ("x", "y", "z")
 
 
-@dataclass(frozen=True, eq=False)
-class PlanePatchResult:
-    """A region of contact of a plane wheelset."""
-
-    result: WheelsetResult
-    patch: WheelRailPatch
-
-    @property
-    def force(self) -> Floats:
-        """Force on the wheel, N, shape (2,)."""
-        return self.patch.force_on_wheel_N
-
-    @property
-    def normal_force(self) -> float:
-        """Without friction it is the whole force, N."""
-        return float(np.linalg.norm(self.force))
-
-    @property
-    def contact_angle(self) -> float:
-        """Angle of the tangent to which the force is normal, positive towards the flange, degrees."""
-        return math.degrees(math.atan2(-SIDE_SIGN[self.patch.side] * self.force[0], self.force[1]))
-
-    @property
-    def max_pressure(self) -> float:
-        """In MPa."""
-        return float(self.patch.pressure.pressures.max())
-
-    @property
-    def centre(self) -> Floats:
-        """Centre of pressure in the track, mm, shape (2,)."""
-        return self.patch.pressure.centre
-
-    @property
-    def remark(self) -> str | None:
-        """What limits the maximum pressure."""
-        return self.patch.pressure.remark
-
-    @cached_property
-    def below(self) -> dict[Role, tuple[SubsurfaceExtreme, SubsurfaceExtreme]]:
-        """Maximum in-plane shear and von Mises stress on the normals below the centre of pressure."""
-        maxima = {}
-        for role in ROLES:
-            line = stresses_below(self.result, self.patch, role)
-            both = line.stresses.in_plane_shear, line.stresses.von_mises
-            shear, mises = (maximum_on(line.distances, values, SEARCHED_FRACTION) for values in both)
-            maxima[role] = shear, mises
-        return maxima
+AnyPatch = WheelPatch | WheelRailPatch
 
 
-@dataclass(frozen=True, eq=False)
-class PatchResult:
-    """A patch of a wheelset in three dimensions."""
-
-    result: SpatialResult
-    patch: SpatialPatch
-
-    @property
-    def ellipse(self) -> ContactEllipse:
-        """Its equivalent ellipse."""
-        return self.patch.ellipse
-
-    @property
-    def hertz(self) -> PointContact | None:
-        """Hertz's contact for its force and curvatures."""
-        return self.patch.hertz
-
-    @property
-    def remark(self) -> str | None:
-        """What limits the maximum pressure."""
-        return self.patch.remark
-
-    @property
-    def centre(self) -> Floats:
-        """Centre of pressure across the track, mm, shape (2,)."""
-        return self.patch.centre_mm[:2]
-
-    @property
-    def max_pressure(self) -> float:
-        """In MPa."""
-        return self.patch.ellipse.max_pressure
-
-    @property
-    def normal_force(self) -> float:
-        """In N."""
-        return float(np.linalg.norm(self.patch.force_on_wheel_N))
-
-    @property
-    def force(self) -> Floats:
-        """Force on the wheel with the creep force, N, shape (2,)."""
-        rolling = self.result.rolling_of(self.patch)
-        return self.patch.force_on_wheel_N if rolling is None else rolling.force_on_wheel_N[:2]
-
-    @property
-    def contact_angle(self) -> float:
-        """Angle of the plane normal to the normal force, positive towards the flange, degrees."""
-        return math.degrees(self.patch.contact_angle_rad)
-
-    @cached_property
-    def creep(self) -> CreepResult | None:
-        """Creep forces on the wheel; None without friction."""
-        rolling = self.result.rolling_of(self.patch)
-        if rolling is None:
-            return None
-        forces, sign = rolling.forces, -SIDE_SIGN[self.patch.side]
-        scale = rolling.speed_m_s / abs(forces.motion.speed)
-        return CreepResult(forces, rolling.creepages, rolling.contact.force, sign, scale)
-
-    @property
-    def power(self) -> float | None:
-        """Power that friction dissipates, W."""
-        rolling = self.result.rolling_of(self.patch)
-        return None if rolling is None else rolling.power_W
-
-    @cached_property
-    def lines(self) -> dict[Role, DepthProfile]:
-        """Stresses on the normals below the centre of pressure."""
-        tractions = self.result.tractions_of(self.patch.side)
-        return {role: self.patch.below(role, tractions) for role in ROLES}
-
-    def maximum(self, role: Role, name: str) -> tuple[float, float, Floats]:
-        """Maximum of a stress in the volume below, MPa, its depth in mm, and its point in the track's axes."""
-        extreme = getattr(self.result.stress_fields[self.patch][role], name)
-        point = self.patch.points_below(role, *(np.array([entry]) for entry in extreme.position))[0]
-        return extreme.value, extreme.position[1], point
-
-    def below_centre(self, role: Role) -> tuple[float, float]:
-        """Maximum von Mises stress on the normal below the centre, MPa, and its depth in mm."""
-        mises = self.lines[role].stresses.von_mises
-        at = int(mises.argmax())
-        return float(mises[at]), float(self.lines[role].depths[at])
-
-
-AnyPatch = PatchResult | PlanePatchResult
-
-
-def patch_name(patch: SpatialPatch | WheelRailPatch) -> str:
+def patch_name(patch: AnyPatch) -> str:
     """Side of a patch, and the part of the rail in contact."""
     return f"{patch.side} {patch.region}"
 
@@ -211,7 +71,7 @@ class WheelResult:
     @property
     def most_loaded(self) -> AnyPatch | None:
         """Patch with the maximum normal force."""
-        return max(self.patches, key=lambda patch: patch.normal_force, default=None)
+        return max(self.patches, key=lambda patch: patch.normal_force_N, default=None)
 
     @cached_property
     def head(self) -> tuple[float, float, float, float]:
@@ -304,24 +164,38 @@ RESIDUAL: Quantities[RelativeResiduals] = (
 
 # Patches
 
-SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda patch: patch.patch.side)
-REGION: Quantity[AnyPatch] = Quantity("region", "", lambda patch: patch.patch.region)
+SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda patch: patch.side)
+REGION: Quantity[AnyPatch] = Quantity("region", "", lambda patch: patch.region)
 NORMAL: Quantity[AnyPatch] = Quantity(
-    "normal_force", "normal force", lambda patch: patch.normal_force, "kN", ".2f", factor=1e-3
+    "normal_force", "normal force", lambda patch: patch.normal_force_N, "kN", ".2f", factor=1e-3
 )
 FORCES: Quantities[AnyPatch] = (
     NORMAL,
-    Quantity("lateral_force", "lateral force on the wheel", lambda patch: patch.force[0], "kN", "z.3f", factor=1e-3),
-    Quantity("vertical_force", "vertical force on the wheel", lambda patch: patch.force[1], "kN", "z.3f", factor=1e-3),
+    Quantity(
+        "lateral_force",
+        "lateral force on the wheel",
+        lambda p: p.force_on_wheel_N[0],
+        "kN",
+        "z.3f",
+        factor=1e-3,
+    ),
+    Quantity(
+        "vertical_force",
+        "vertical force on the wheel",
+        lambda p: p.force_on_wheel_N[1],
+        "kN",
+        "z.3f",
+        factor=1e-3,
+    ),
 )
 CONTACT_ANGLE: Quantity[AnyPatch] = Quantity(
-    "contact_angle", "contact angle", lambda patch: patch.contact_angle, "deg", ".2f"
+    "contact_angle", "contact angle", lambda patch: math.degrees(patch.contact_angle_rad), "deg", ".2f"
 )
 ON_RAIL: Quantity[AnyPatch] = Quantity(
-    "rail_position", "position on the rail", lambda patch: patch.patch.rail_point_mm, "mm", "z.2f", XY
+    "rail_position", "position on the rail", lambda patch: patch.rail_point_mm, "mm", "z.2f", XY
 )
 ON_WHEEL: Quantity[AnyPatch] = Quantity(
-    "wheel_position", "position on the wheel", lambda patch: patch.patch.wheel_point_mm, "mm", "z.2f", XY
+    "wheel_position", "position on the wheel", lambda patch: patch.wheel_point_mm, "mm", "z.2f", XY
 )
 REMARK: Quantity[AnyPatch] = Quantity(
     "max_pressure_remark", "", lambda patch: patch.remark, meaning="why it is approximate"
@@ -329,12 +203,10 @@ REMARK: Quantity[AnyPatch] = Quantity(
 PRESSURE: Quantity[AnyPatch] = Quantity(
     "max_pressure", "maximum pressure", lambda patch: patch.max_pressure, "MPa", ".1f", remark=lambda p: p.remark
 )
-HALF_WIDTH: Quantity[PlanePatchResult] = Quantity(
-    "half_width", "half width", lambda patch: patch.patch.pressure.half_width, "mm", ".3f"
-)
+HALF_WIDTH: Quantity[WheelRailPatch] = Quantity("half_width", "half width", lambda patch: patch.half_width, "mm", ".3f")
 
 
-def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePatchResult]:
+def _line(role: Role, name: str, label: str, number: int) -> Quantities[WheelRailPatch]:
     """A stress on the normal below a plane contact, and its depth."""
     key = f"in_{role}_{name}"
     return (
@@ -343,22 +215,20 @@ def _line(role: Role, name: str, label: str, number: int) -> Quantities[PlanePat
     )
 
 
-PLANE_MAIN: Quantities[PlanePatchResult] = (
+PLANE_MAIN: Quantities[WheelRailPatch] = (
     *FORCES,
     PRESSURE,
-    Quantity("hertz_pressure", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.max_pressure, "MPa", ".1f"),
+    Quantity("hertz_pressure", "  Hertz", lambda p: p.hertz and p.hertz.max_pressure, "MPa", ".1f"),
     HALF_WIDTH,
-    Quantity("hertz_half_width", "  Hertz", lambda p: p.patch.hertz and p.patch.hertz.half_width, "mm", ".3f"),
+    Quantity("hertz_half_width", "  Hertz", lambda p: p.hertz and p.hertz.half_width, "mm", ".3f"),
     CONTACT_ANGLE,
     ON_RAIL,
     ON_WHEEL,
 )
-PLANE_FURTHER: Quantities[PlanePatchResult] = (
-    Quantity("track_position", "position in the track", lambda patch: patch.patch.pressure.centre, "mm", "z.2f", XY),
-    Quantity(
-        "pressure_oscillation", "pressure oscillation", lambda patch: patch.patch.pressure.oscillation, form=".2%"
-    ),
-    Quantity("nodes", "nodes in contact", lambda p: len(p.patch.pressure.normal_forces), form="d"),
+PLANE_FURTHER: Quantities[WheelRailPatch] = (
+    Quantity("track_position", "position in the track", lambda patch: patch.centre, "mm", "z.2f", XY),
+    Quantity("pressure_oscillation", "pressure oscillation", lambda patch: patch.oscillation, form=".2%"),
+    Quantity("nodes", "nodes in contact", lambda p: len(p.normal_forces), form="d"),
     *(
         quantity
         for role in ROLES
@@ -371,64 +241,84 @@ PLANE_FURTHER: Quantities[PlanePatchResult] = (
 """PLANE_MAIN, PLANE_FURTHER: numbers of a contact of a plane wheelset; the first ones for the table of results."""
 
 
-def _volume(role: Role, name: str) -> Quantities[PatchResult]:
-    """A maximum stress in the volume below a patch, its depth and its point, for programs."""
-    key = f"in_{role}_{name}"
+MAXIMA: dict[str, Callable[[StressField], StressMaximum]] = {
+    "max_von_mises": lambda field: field.max_von_mises,
+    "max_tresca": lambda field: field.max_tresca,
+    "max_tension": lambda field: field.max_tension,
+}
+"""Maxima of stresses in the volume below a patch."""
+
+
+def _volume(role: Role, key: str, of: Callable[[StressField], StressMaximum]) -> Quantities[WheelPatch]:
+    """A maximum stress in the volume below a patch, its depth and its point in the track's axes, for programs."""
+
+    def point(patch: WheelPatch) -> Floats:
+        return patch.points_below(role, *np.reshape(of(patch.stress_fields[role]).position, (3, 1)))[0]
+
     return (
-        Quantity(key, "", lambda p: p.maximum(role, name)[0], "MPa"),
-        Quantity(f"{key}_depth", "", lambda p: p.maximum(role, name)[1], "mm"),
-        Quantity(f"{key}_position", "", lambda p: p.maximum(role, name)[2], "mm", parts=XYZ),
+        Quantity(f"in_{role}_{key}", "", lambda patch: of(patch.stress_fields[role]).value, "MPa"),
+        Quantity(f"in_{role}_{key}_depth", "", lambda patch: of(patch.stress_fields[role]).position[1], "mm"),
+        Quantity(f"in_{role}_{key}_position", "", point, "mm", parts=XYZ),
     )
 
 
-def _greater(key: str, label: str, of: Callable[[PatchResult, Role], tuple[Any, ...]]) -> Quantities[PatchResult]:
+def _greater(key: str, label: str, of: Callable[[WheelPatch, Role], tuple[float, float]]) -> Quantities[WheelPatch]:
     """The greater of a stress in rail and wheel, and its depth."""
 
-    def most(patch: PatchResult) -> tuple[Any, ...]:
-        return max((of(patch, role)[:2] for role in ROLES), key=lambda pair: pair[0])
+    def most(patch: WheelPatch) -> tuple[float, float]:
+        return max((of(patch, role) for role in ROLES), key=lambda pair: pair[0])
 
     return (
-        Quantity(key, label, lambda p: most(p)[0], "MPa", ".0f"),
-        Quantity(f"{key}_depth", "  at the depth", lambda p: most(p)[1], "mm", ".2f"),
+        Quantity(key, label, lambda patch: most(patch)[0], "MPa", ".0f"),
+        Quantity(f"{key}_depth", "  at the depth", lambda patch: most(patch)[1], "mm", ".2f"),
     )
 
 
-def _creep(*quantities: Quantity[CreepResult]) -> Quantities[PatchResult]:
+def _maximum(key: str, label: str) -> Quantities[WheelPatch]:
+    def of(patch: WheelPatch, role: Role) -> tuple[float, float]:
+        maximum = MAXIMA[key](patch.stress_fields[role])
+        return maximum.value, maximum.position[1]
+
+    return _greater(key, label, of)
+
+
+def _below_centre(patch: WheelPatch, role: Role) -> tuple[float, float]:
+    line = patch.lines[role]
+    return line.maximum(line.stresses.von_mises)
+
+
+def _creep(*quantities: Quantity[CreepState]) -> Quantities[WheelPatch]:
     return of_part(lambda patch: patch.creep, *quantities)
 
 
-POSITION_ALONG: Quantity[PatchResult] = Quantity(
-    "track_position", "position in the track", lambda patch: patch.patch.centre_mm, "mm", "z.2f", XYZ
+POSITION_ALONG: Quantity[WheelPatch] = Quantity(
+    "track_position", "position in the track", lambda patch: patch.centre_mm, "mm", "z.2f", XYZ
 )
-LONGITUDINAL: Quantity[PatchResult] = Quantity(
-    "longitudinal_position", "longitudinal position", lambda patch: patch.patch.centre_mm[2], "mm", "z.2f"
+LONGITUDINAL: Quantity[WheelPatch] = Quantity(
+    "longitudinal_position", "longitudinal position", lambda patch: patch.centre_mm[2], "mm", "z.2f"
 )
-LOAD_FACTOR: Quantity[PatchResult] = Quantity(
-    "pressure_over_shear_strength", "p0/k (load factor)", lambda p: p.result.load_factor(p.patch), form=".2f"
+LOAD_FACTOR: Quantity[WheelPatch] = Quantity(
+    "pressure_over_shear_strength", "p0/k (load factor)", lambda patch: patch.load_factor, form=".2f"
 )
-SHAKEDOWN: Quantity[PatchResult] = Quantity(
-    "shakedown_state", "  shakedown state", lambda p: p.result.shakedown_state(p.patch)
+SHAKEDOWN: Quantity[WheelPatch] = Quantity("shakedown_state", "  shakedown state", lambda patch: patch.shakedown_state)
+ROLLING_RADIUS: Quantity[WheelPatch] = Quantity(
+    "rolling_radius", "rolling radius", lambda patch: patch.rolling_radius_mm, "mm", ".3f"
 )
-ROLLING_RADIUS: Quantity[PatchResult] = Quantity(
-    "rolling_radius", "rolling radius", lambda patch: patch.patch.rolling_radius_mm, "mm", ".3f"
-)
-CREEP_MAIN: Quantities[PatchResult] = _creep(
+CREEP_MAIN: Quantities[WheelPatch] = _creep(
     *CREEPAGES,
     replace(LONGITUDINAL_FORCE, key="longitudinal_creep_force", label="longitudinal creep force"),
     replace(LATERAL_FORCE, key="lateral_creep_force", label="lateral creep force"),
     TRACTION,
     T_GAMMAS[0],
 )
-CREEP_FURTHER: Quantities[PatchResult] = (
+CREEP_FURTHER: Quantities[WheelPatch] = (
     *_creep(SPIN_MOMENT, *T_GAMMAS[1:]),
-    Quantity("frictional_power", "frictional power", lambda patch: patch.power, "W", ".1f"),
+    Quantity("frictional_power", "frictional power", lambda patch: patch.creep and patch.creep.power_W, "W", ".1f"),
     *_creep(*FIELDS),
 )
 """CREEP_MAIN, CREEP_FURTHER: numbers of a patch that rolls, those of the table of results and further ones."""
-MAX_VON_MISES, MAX_VON_MISES_DEPTH = _greater(
-    "max_von_mises", "maximum von Mises stress", lambda p, role: p.maximum(role, "max_von_mises")
-)
-SPATIAL_MAIN: Quantities[PatchResult] = (
+MAX_VON_MISES, MAX_VON_MISES_DEPTH = _maximum("max_von_mises", "maximum von Mises stress")
+SPATIAL_MAIN: Quantities[WheelPatch] = (
     NORMAL,
     PRESSURE,
     HERTZ_PRESSURE,
@@ -442,36 +332,31 @@ SPATIAL_MAIN: Quantities[PatchResult] = (
     MAX_VON_MISES,
     MAX_VON_MISES_DEPTH,
 )
-SPATIAL_FURTHER: Quantities[PatchResult] = (
+SPATIAL_FURTHER: Quantities[WheelPatch] = (
     *FORCES[1:],
     POSITION_ALONG,
-    *_greater("von_mises_below_centre", "von Mises stress below the centre", lambda p, role: p.below_centre(role)),
-    *_greater("max_tresca", "maximum Tresca stress", lambda p, role: p.maximum(role, "max_tresca")),
-    *_greater("max_tension", "maximum tension", lambda p, role: p.maximum(role, "max_tension")),
+    *_greater("von_mises_below_centre", "von Mises stress below the centre", _below_centre),
+    *_maximum("max_tresca", "maximum Tresca stress"),
+    *_maximum("max_tension", "maximum tension"),
     HERTZ_AXES,
     ANGLE,
     AREA,
     Quantity(
         "conformity",
         "change of contact normal across the patch",
-        lambda patch: patch.patch.conformity_deg,
+        lambda patch: patch.conformity_deg,
         "deg",
         ".1f",
     ),
     ROLLING_RADIUS,
     CELLS,
-    *(
-        quantity
-        for role in ROLES
-        for name in ("max_von_mises", "max_tresca", "max_tension")
-        for quantity in _volume(role, name)
-    ),
+    *(quantity for role in ROLES for key, of in MAXIMA.items() for quantity in _volume(role, key, of)),
 )
 """SPATIAL_MAIN, SPATIAL_FURTHER: numbers of a patch, those of the table of results and further ones."""
-PATCH: Quantities[PatchResult] = (
+PATCH: Quantities[WheelPatch] = (
     SIDE, REGION, *SPATIAL_MAIN, REMARK, *SPATIAL_FURTHER, *CREEP_MAIN, *CREEP_FURTHER,
 )  # fmt: skip
-PLANE_PATCH: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK, *PLANE_FURTHER)
+PLANE_PATCH: Quantities[WheelRailPatch] = (SIDE, REGION, *PLANE_MAIN, REMARK, *PLANE_FURTHER)
 
 # Wheels
 
@@ -487,7 +372,7 @@ RATIO: Quantity[WheelResult] = Quantity(
 )
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
-    Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force), "kN", ".3f", factor=1e-3),
+    Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force_N), "kN", ".3f", factor=1e-3),
     Quantity(
         "lateral_force",
         "lateral force on the wheel",
@@ -555,8 +440,8 @@ ROLLING_ROW: Quantities[WheelResult] = (
     NADAL_FRACTION,
 )
 """PLANE_ROW, SPATIAL_ROW, ROLLING_ROW: numbers of a wheel in a row of a campaign: sums and the most loaded patch."""
-PLANE_PATCH_ROW: Quantities[PlanePatchResult] = (SIDE, REGION, *PLANE_MAIN, REMARK)
-SPATIAL_PATCH_ROW: Quantities[PatchResult] = (
+PLANE_PATCH_ROW: Quantities[WheelRailPatch] = (SIDE, REGION, *PLANE_MAIN, REMARK)
+SPATIAL_PATCH_ROW: Quantities[WheelPatch] = (
     SIDE, REGION, *FORCES, PRESSURE, REMARK, HERTZ_PRESSURE, HERTZ_AXES, LOAD_FACTOR, *_ELLIPSE, *_POINTS,
 )  # fmt: skip
 ROLLING_PATCH_ROW = (*SPATIAL_PATCH_ROW, *CREEP_MAIN, CREEP_FURTHER[3])
@@ -604,12 +489,12 @@ ROLLING: Quantities[SpatialResult] = (
     Quantity(
         "traction",
         "traction",
-        lambda result: 1e-3 * sum(float(patch.creep_force_on_wheel_N[2]) for patch in result.rolling),
+        lambda result: 1e-3 * sum(float(patch.creep_force_on_wheel_N[2]) for patch in result.patches),
         "kN",
         "z.3f",
     ),
-    Quantity("t_gamma", "T-gamma of all patches", lambda r: sum(p.t_gamma_N for p in r.rolling), "N", ".1f"),
-    Quantity("power", "frictional power", lambda r: sum(p.power_W for p in r.rolling), "W", ".0f"),
+    Quantity("t_gamma", "T-gamma of all patches", lambda r: sum(creep.t_gamma_N for _, creep in r.rolling), "N", ".1f"),
+    Quantity("power", "frictional power", lambda r: sum(creep.power_W for _, creep in r.rolling), "W", ".0f"),
     Quantity(
         "kinematic_wavelength",
         "kinematic wave (Klingel): length",

@@ -21,8 +21,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WHEEL,
     AnyPatch,
     AnyResult,
-    PatchResult,
-    PlanePatchResult,
     WheelResult,
     patch_name,
 )
@@ -90,25 +88,16 @@ class WheelsetRun(RunResult):
         assert isinstance(self.result, WheelsetResult)
         return self.result
 
-    @cached_property
-    def patches(self) -> list[AnyPatch]:
-        """The contact patches, left side first."""
-        result = self.result
-        if isinstance(result, WheelsetResult):
-            return [PlanePatchResult(result, patch) for patch in result.patches]
-        return [PatchResult(result, patch) for patch in result.patches]
-
     @property
-    def spatial_patches(self) -> list[PatchResult]:
-        """The patches of a wheelset in three dimensions."""
-        return [patch for patch in self.patches if isinstance(patch, PatchResult)]
+    def patches(self) -> Sequence[AnyPatch]:
+        """The contact patches, left side first."""
+        return self.result.patches
 
     @cached_property
     def wheels(self) -> list[WheelResult]:
         """The left and the right wheel."""
         return [
-            WheelResult(self.result, side, [patch for patch in self.patches if patch.patch.side == side])
-            for side in SIDES
+            WheelResult(self.result, side, [patch for patch in self.patches if patch.side == side]) for side in SIDES
         ]
 
     @property

@@ -31,50 +31,11 @@ from flangeway.types import Bools, Floats
 ROUND_OFF = 1e-6
 """Cosine of an axis that is zero but for round-off."""
 MAX_PARABOLOID_DISTANCE = 0.05
-"""Distance of gaps from a paraboloid relative to the approach, above which Hertz's contact has no meaning."""
-
-
-@dataclass(frozen=True, eq=False)
-class ContactEllipse:
-    """One patch: its resultant, and the ellipse with the same second moments of pressure as Hertz's.
-
-    Parameters
-    ----------
-    force
-        Resultant on the second body, shape (2,).
-    centre
-        Centre of pressure (x, y, z), shape (3,).
-    semi_axes
-        Longer and shorter semi-axis of the ellipse under a Hertzian pressure with the patch's second moments.
-    angle_rad
-        From z to the longer semi-axis, towards the first body's tangent (counter-clockwise seen from above for a flat
-        body: z up, x to the left), within pi / 2.
-    max_pressure
-        Maximum mean pressure of a cell.
-    area
-        Inside of the edge that pressures and gaps give, see `covered`.
-    cells
-        Maximum numbers of them across and along z.
-    inside
-        Which cells they are, shape (n_cells, n_strips).
-
-    """
-
-    force: Floats
-    centre: Floats
-    semi_axes: tuple[float, float]
-    angle_rad: float
-    max_pressure: float
-    area: float
-    cells: tuple[int, int]
-    inside: Bools
-
-    @property
-    def widths(self) -> tuple[float, float]:
-        """Widths of the ellipse across and along z."""
-        long, short = self.semi_axes
-        cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
-        return 2.0 * float(np.hypot(long * sin, short * cos)), 2.0 * float(np.hypot(long * cos, short * sin))
+"""Distance of gaps from a paraboloid relative to their range, above which Hertz's contact has no meaning."""
+MIN_FITTED_CELLS = 3
+"""Cells across and along a patch that a paraboloid needs."""
+MIN_CELLS_OF_PATCH = 10
+"""Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +54,8 @@ class CellForces:
         Of the deformed surfaces, shape as the forces.
     modulus
         Contact modulus.
+    undeformed
+        Gaps of the undeformed surfaces, shape as the forces.
 
     """
 
@@ -102,81 +65,156 @@ class CellForces:
     normals: Floats
     gaps: Floats
     modulus: float
+    undeformed: Floats
 
     @property
     def pressures(self) -> Floats:
         """Mean pressures of the cells, shape (n_cells, n_strips)."""
         return self.forces / self.grid.areas
 
-    def patches(self, interiors: Sequence[Bools] | None = None) -> list[ContactEllipse]:
+    def patches(self, interiors: Sequence[Bools] | None = None) -> list["SpatialPatch"]:
         """Separate patches, or those of given cells, by falling force."""
         interiors = separate_patches(self.forces > 0.0) if interiors is None else interiors
-        ellipses = [self._ellipse(inside) for inside in interiors]
-        return sorted(ellipses, key=lambda ellipse: -float(np.linalg.norm(ellipse.force)))
+        patches = [SpatialPatch(self, inside) for inside in interiors]
+        return sorted(patches, key=lambda patch: -patch.normal_force_N)
 
-    def _ellipse(self, inside: Bools) -> ContactEllipse:
-        forces, grid = np.where(inside, self.forces, 0.0), self.grid
-        total = float(forces.sum())
-        by_cell, by_strip = forces.sum(axis=1) / total, forces.sum(axis=0) / total
+
+@dataclass(frozen=True, eq=False)
+class SpatialPatch:
+    """One patch on cells, and the ellipse with the same second moments of pressure as Hertz's.
+
+    - `cells`: forces on the cells of the surface.
+    - `inside`: which of them are the patch, shape (n_cells, n_strips).
+    """
+
+    cells: CellForces
+    inside: Bools
+
+    @cached_property
+    def forces(self) -> Floats:
+        """Normal forces on its cells, 0 on others, shape (n_cells, n_strips)."""
+        return np.where(self.inside, self.cells.forces, 0.0)
+
+    @cached_property
+    def fractions(self) -> Floats:
+        """Fractions of all cells in its normal force, shape (n_cells, n_strips)."""
+        return self.forces / self.forces.sum()
+
+    @cached_property
+    def _fractions_by_axis(self) -> tuple[Floats, Floats]:
+        """Fractions of rows of cells (n_cells,) and of strips (n_strips,)."""
+        total = float(self.forces.sum())
+        return self.forces.sum(axis=1) / total, self.forces.sum(axis=0) / total
+
+    @property
+    def force(self) -> Floats:
+        """Resultant on the second body, shape (2,)."""
+        return self.forces.sum(axis=1) @ self.cells.normals
+
+    @property
+    def normal_force_N(self) -> float:  # noqa: N802
+        """Size of the resultant of its normal forces."""
+        return float(np.linalg.norm(self.force))
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of pressure (x, y, z), shape (3,)."""
+        by_cell, by_strip = self._fractions_by_axis
+        return np.append(by_cell @ self.cells.points, by_strip @ self.cells.grid.along)
+
+    @property
+    def station(self) -> float:
+        """Length along the surface of the centre of pressure."""
+        return float(self.fractions.sum(axis=1) @ self.cells.grid.stations)
+
+    @cached_property
+    def _principal(self) -> tuple[Floats, Floats]:
+        """Principal second moments of its pressures, ascending, and their directions (z, s) as columns."""
+        (by_cell, by_strip), grid = self._fractions_by_axis, self.cells.grid
         s, z = grid.stations - by_cell @ grid.stations, grid.along - by_strip @ grid.along
         # a cell's own second moments are those of its area
-        mixed = float(s @ forces @ z) / total
+        mixed = float(s @ self.forces @ z) / float(self.forces.sum())
         moments = np.array(
             [[by_strip @ z**2 + grid.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + grid.widths**2 / 12.0)]]
         )
         values, vectors = np.linalg.eigh(moments)
+        return values, vectors
+
+    @property
+    def semi_axes(self) -> tuple[float, float]:
+        """Longer and shorter semi-axis of the ellipse under a Hertzian pressure with the patch's second moments."""
+        small, great = self._principal[0]
+        return float(np.sqrt(5.0 * great)), float(np.sqrt(5.0 * small))
+
+    @property
+    def angle_rad(self) -> float:
+        """From z to the longer semi-axis, towards the first body's tangent, within pi / 2.
+
+        Counter-clockwise seen from above for a flat body: z up, x to the left.
+        """
         # the cosine is not negative; where it is round-off, the sine is positive
-        direction = vectors[:, 1]
+        direction = self._principal[1][:, 1]
         across = abs(direction[0]) < ROUND_OFF
         direction = direction * (1.0 if direction[int(across)] >= 0.0 else -1.0)
-        return ContactEllipse(
-            forces.sum(axis=1) @ self.normals,
-            np.append(by_cell @ self.points, by_strip @ grid.along),
-            (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
-            float(np.arctan2(direction[1], direction[0])),
-            float(self.pressures[inside].max()),
-            self._area(inside),
-            (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
-            inside,
-        )
+        return float(np.arctan2(direction[1], direction[0]))
 
-    def _area(self, inside: Bools) -> float:
-        """Area of the polygon through the points at which the edge of a patch crosses the lines between middles."""
-        steps, pressures = np.diff(self.grid.stations)[:, None], self.pressures
-        across = covered(inside, pressures, self.gaps, self.modulus / steps)
-        along = covered(inside.T, pressures.T, self.gaps.T, self.modulus / self.grid.strip).T
+    @property
+    def widths(self) -> tuple[float, float]:
+        """Widths of the ellipse across and along z."""
+        long, short = self.semi_axes
+        cos, sin = np.cos(self.angle_rad), np.sin(self.angle_rad)
+        return 2.0 * float(np.hypot(long * sin, short * cos)), 2.0 * float(np.hypot(long * cos, short * sin))
+
+    @property
+    def max_pressure(self) -> float:
+        """Maximum mean pressure of a cell."""
+        return float(self.cells.pressures[self.inside].max())
+
+    @property
+    def n_cells(self) -> tuple[int, int]:
+        """Maximum numbers of cells across and along z."""
+        return int(self.inside.sum(axis=0).max()), int(self.inside.sum(axis=1).max())
+
+    @property
+    def remark(self) -> str | None:
+        """What limits the maximum pressure, None if nothing does."""
+        across, along = self.n_cells
+        return f"{across} by {along} cells" if min(across, along) < MIN_CELLS_OF_PATCH else None
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the polygon through the points at which its edge crosses the lines between middles, see `covered`."""
+        cells, grid, inside = self.cells, self.cells.grid, self.inside
+        steps, pressures = np.diff(grid.stations)[:, None], cells.pressures
+        across = covered(inside, pressures, cells.gaps, cells.modulus / steps)
+        along = covered(inside.T, pressures.T, cells.gaps.T, cells.modulus / grid.strip).T
         # rectangles between four middles: corners inside, and the covered parts a and b of the sides that meet there
         low, high = slice(None, -1), slice(1, None)
         corners = [(inside[i, j], across[:, j], along[i]) for i in (low, high) for j in (low, high)]
         number = sum(corner.astype(int) for corner, _, _ in corners)
         triangle = sum(corner * a * b for corner, a, b in corners) / 2.0
         cut = sum(~corner * (1.0 - a) * (1.0 - b) for corner, a, b in corners) / 2.0
-        return float((np.where(number > 1, 1.0 - cut, triangle) * steps).sum() * self.grid.strip)
+        return float((np.where(number > 1, 1.0 - cut, triangle) * steps).sum() * grid.strip)
 
-    def hertz(self, patch: ContactEllipse, gaps: Floats, approach: float) -> PointContact | None:
-        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
+    @cached_property
+    def hertz(self) -> PointContact | None:
+        """Hertz's contact for its force and the curvatures of its gap; None where these vary too much.
 
-        The curvatures are those of the paraboloid that fits the gaps of the cells under pressure best.
-
-        Parameters
-        ----------
-        patch
-            The patch.
-        gaps
-            Of the undeformed surfaces, shape as the forces.
-        approach
-            The gaps may be a share of it, `MAX_PARABOLOID_DISTANCE`, off the paraboloid.
-
+        The curvatures are those of the paraboloid that fits the undeformed gaps of its cells best, which may be off by
+        a fraction of their range, `MAX_PARABOLOID_DISTANCE`.
         """
-        across, along = self.grid.middles
-        z, s = (coordinate[patch.inside] for coordinate in np.meshgrid(along - patch.centre[2], across - across.mean()))
-        values = gaps[patch.inside]
+        values = self.cells.undeformed[self.inside]
+        height = float(np.ptp(values))
+        if min(self.n_cells) < MIN_FITTED_CELLS or not height > 0.0:
+            return None
+        across, along = self.cells.grid.middles
+        z, s = (coordinate[self.inside] for coordinate in np.meshgrid(along - self.centre[2], across - across.mean()))
         terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
         fit, *_ = np.linalg.lstsq(terms, values)
         least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
-        if not least > 0.0 or np.abs(terms @ fit - values).max() > MAX_PARABOLOID_DISTANCE * approach:
+        if not least > 0.0 or np.abs(terms @ fit - values).max() > MAX_PARABOLOID_DISTANCE * height:
             return None
-        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, self.modulus)
+        return PointContact(self.normal_force_N, 1.0 / least, 1.0 / most, self.cells.modulus)
 
 
 def covered(inside: Bools, pressures: Floats, gaps: Floats, stiffness: Floats | float) -> Floats:
@@ -248,7 +286,8 @@ class PatchContact:
         """Forces on the cells."""
         grid, gaps = self.pair.grid, self.pair.gaps
         modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
-        return CellForces(self.contact.forces, grid, gaps.points, gaps.normals, self.contact.gaps, modulus)
+        deformed = self.contact.gaps
+        return CellForces(self.contact.forces, grid, gaps.points, gaps.normals, deformed, modulus, gaps.values)
 
     @property
     def pressures(self) -> Floats:
@@ -281,13 +320,9 @@ class PatchContact:
         return self.contact.forces.sum(axis=1) @ self.pair.gaps.normals
 
     @cached_property
-    def patches(self) -> list[ContactEllipse]:
+    def patches(self) -> list[SpatialPatch]:
         """Separate patches, by falling force."""
         return self.cells.patches()
-
-    def hertz(self, patch: ContactEllipse) -> PointContact | None:
-        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much."""
-        return self.cells.hertz(patch, self.pair.gaps.values, self.approach)
 
 
 @dataclass(frozen=True, eq=False)
@@ -468,7 +503,7 @@ def press_patch(
         if not contact.loaded.any():
             raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
         edges = at_edge(contact.loaded)
-        across = min(min(patch.cells) for patch in contact.patches)
+        across = min(min(patch.n_cells) for patch in contact.patches)
         if not edges.any() and across >= MIN_ACROSS:
             break
         better = chosen.changed(np.where(edges, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)

@@ -8,14 +8,15 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from flangeway.checks import as_numbers, check_between, check_finite, check_kind, check_positive, refused
-from flangeway.contact.rolling.fast_theories import SimplifiedRolling
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
 from flangeway.railway.damage.rolling_fatigue import shakedown_index, surface_fatigue_index, t_gamma_damage
 from flangeway.railway.track.placements import Side
 from flangeway.railway.track.wheelset_problem import ROLES, Role
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch
+from flangeway.railway.wheelset.rolling.patch_rolling import rows_of
 from flangeway.railway.wheelset.spatial_result import SpatialResult
+from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.types import Floats
 
 # --- Wear laws: depth worn per distance rolled from pressure, tractions and slip of the cells of a patch.
@@ -408,38 +409,38 @@ class PatchDamage:
     net_damage: float
 
 
-def patch_loads(rolling: RollingPatch) -> CellLoads:
+def patch_loads(creep: CreepState) -> CellLoads:
     """Loads of the cells of a patch that rolls; its energy over the distance is the patch's T-gamma.
 
     An `InputError` if its theory has no tractions and slip on cells.
     """
-    forces, speed = rolling.forces, rolling.speed_m_s
-    if not isinstance(forces, Rolling | SimplifiedRolling):
+    forces, speed = creep.cells, creep.speed
+    if forces is None:
         raise InputError(
-            f"wear by creep forces of the theory {forces.theory}",
+            f"wear by creep forces of the theory {creep.theory}",
             f"a theory with slip in the cells: {THEORIES_WITH_CELLS}",
             "choose one of them as rolling_theory",
         )
     scale = abs(forces.motion.speed) or 1.0
     loads = CellLoads(
-        rolling.contact.pressures,
+        creep.contact.pressures,
         forces.tractions,
         forces.slip_velocities / scale,
-        np.broadcast_to(rolling.contact.areas, rolling.contact.pressures.shape),
+        np.broadcast_to(creep.contact.areas, creep.contact.pressures.shape),
         speed,
         forces.power_density / scale if isinstance(forces, Rolling) else None,
     )
     # single cells may have a negative power, and FASTSIM's strips are interpolated on cells
     total = loads.t_gamma_N
-    energy = loads.energy * (rolling.t_gamma_N / total if total > 0.0 else 0.0)
+    energy = loads.energy * (creep.t_gamma_N / total if total > 0.0 else 0.0)
     return CellLoads(loads.pressures, loads.tractions, loads.slips, loads.areas, speed, energy)
 
 
 def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
     """Wear of both sides' wheels and rails by a wheelset that rolls; bodies without a law do not wear."""
     rows: list[RowWear] = []
-    for rolling in result.rolling:
-        loads, damage = patch_loads(rolling), float(t_gamma_damage(np.array(rolling.t_gamma_N)).net)
+    for patch, creep in result.rolling:
+        loads, damage = patch_loads(creep), float(t_gamma_damage(np.array(creep.t_gamma_N)).net)
         for role in ROLES:
             if role not in laws:
                 continue
@@ -448,14 +449,14 @@ def row_wear(result: SpatialResult, laws: dict[Role, WearLaw]) -> list[RowWear]:
             worn = np.flatnonzero(areas)
             if not worn.size:
                 continue
-            ends, radii = _ends(rolling, role)
-            rows.append(RowWear(rolling.patch.side, role, ends[worn], areas[worn], radii[worn], damage))
+            ends, radii = _ends(patch, creep, role)
+            rows.append(RowWear(patch.side, role, ends[worn], areas[worn], radii[worn], damage))
     return rows
 
 
-def _ends(rolling: RollingPatch, role: Role) -> tuple[Floats, Floats]:
+def _ends(patch: WheelPatch, creep: CreepState, role: Role) -> tuple[Floats, Floats]:
     """Ends of the rows of cells (n, 2, 2) in the frame of a profile, and their distances from the axle (n,)."""
-    state, rows = rolling.patch.state, rolling.rows
+    state, rows = patch.state, rows_of(patch.state, creep.contact)
     surfaces, cells = state.grid.surfaces, state.grid.grid.cells[rows]
     pressed = state.forces[rows] * (state.forces[rows] > 0.0)
     pressed = np.where(pressed.any(axis=1, keepdims=True), pressed, 1.0)
@@ -474,19 +475,18 @@ def patch_damage(result: SpatialResult) -> Sequence[PatchDamage]:
     """Numbers of the patches of a wheelset that rolls."""
     shear = None if result.yield_MPa is None else result.yield_MPa / np.sqrt(3.0)
     damages = []
-    for rolling in result.rolling:
-        patch, friction = rolling.patch, rolling.used_friction
-        p0, (a, b) = patch.ellipse.max_pressure, patch.ellipse.semi_axes
+    for patch, creep in result.rolling:
+        p0, friction = patch.max_pressure, creep.used_friction
         damages.append(
             PatchDamage(
                 patch.side,
                 patch.region,
                 p0,
-                rolling.t_gamma_N,
+                creep.t_gamma_N,
                 friction,
-                None if shear is None else surface_fatigue_index(friction, (a, b), rolling.contact.force, shear),
+                None if shear is None else surface_fatigue_index(friction, patch.semi_axes, creep.contact.force, shear),
                 None if shear is None else shakedown_index(p0, shear, friction),
-                float(t_gamma_damage(np.array(rolling.t_gamma_N)).net),
+                float(t_gamma_damage(np.array(creep.t_gamma_N)).net),
             )
         )
     return damages

@@ -231,7 +231,7 @@ class SideState:
     def cells(self) -> CellForces:
         """Forces on the cells, in the right-hand form of the side."""
         grid, surfaces = self.grid.grid, self.grid.surfaces
-        return CellForces(self.forces, grid, self.points, self.normals, self.gaps, surfaces.modulus)
+        return CellForces(self.forces, grid, self.points, self.normals, self.gaps, surfaces.modulus, self.gap.gaps)
 
     @property
     def resultant(self) -> Floats:

@@ -2,16 +2,16 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
-from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_state
-from flangeway.post.patch_stresses import StressField
+from flangeway.exact.shakedown import ABOVE_SHAKEDOWN
 from flangeway.railway.profiles.orientation import flange_angle_rad
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM
@@ -24,14 +24,15 @@ from flangeway.railway.track.placements import (
     lateral_over_vertical,
 )
 from flangeway.railway.track.supports import Fixed
-from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
+from flangeway.railway.track.wheelset_problem import ROLES, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingPatch, rows_of, strips_of
+from flangeway.railway.wheelset.rolling.patch_rolling import rows_of, strips_of
+from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
 from flangeway.solve import Status
@@ -58,17 +59,15 @@ class SpatialResult:
     - `timings_s`: seconds of the stages.
     - `warnings`: what limits the result.
     - `cache`: where solutions of the sections are kept from one process to the next.
-    - `rolling`: the patches with their creep forces, empty without friction.
     """
 
     status: Status
     wheelset: SpatialWheelset
     equilibrium: Equilibrium[SpatialState]
-    patches: tuple[SpatialPatch, ...]
+    patches: tuple[WheelPatch, ...]
     timings_s: dict[str, float]
     warnings: tuple[str, ...]
     cache: Cache | None = None
-    rolling: tuple[RollingPatch, ...] = ()
 
     @property
     def problem(self) -> WheelsetProblem:
@@ -80,41 +79,10 @@ class SpatialResult:
         """See `yield_strength`."""
         return yield_strength(self.problem, *ROLES)
 
-    def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
-        """Return a patch with its creep forces, None without friction."""
-        return next((rolled_patch for rolled_patch in self.rolling if rolled_patch.patch is patch), None)
-
-    def load_factor(self, patch: SpatialPatch) -> float | None:
-        """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
-        return float(np.sqrt(3.0) * patch.ellipse.max_pressure / self.yield_MPa) if self.yield_MPa else None
-
-    def shakedown_state(self, patch: SpatialPatch) -> str | None:
-        """State of the steel under repeated rolling, see `flangeway.exact.shakedown.shakedown_state`."""
-        factor, rolling = self.load_factor(patch), self.rolling_of(patch)
-        return None if factor is None else shakedown_state(factor, rolling.used_friction if rolling else 0.0)
-
-    def tractions_of(self, side: Side) -> Floats | None:
-        """Tractions (t, z) by friction on the wheel's cells of a side, (n, n_z, 2); None: the theory has none."""
-        tractions = [
-            rolled_patch.tractions
-            for rolled_patch in self.rolling
-            if rolled_patch.patch.side == side and rolled_patch.tractions is not None
-        ]
-        return sum(tractions[1:], tractions[0]) if tractions else None
-
-    @cached_property
-    def stress_fields(self) -> dict[SpatialPatch, dict[Role, StressField]]:
-        """Stresses in the volumes below the patches of both bodies, by the tractions of all cells of a side."""
-        fields: dict[SpatialPatch, dict[Role, StressField]] = {}
-        for patch in self.patches:
-            tractions = self.tractions_of(patch.side)
-            rail = patch.field("rail", tractions)
-            # without tractions both bodies of one material have the same stresses
-            alike = (
-                tractions is None and len({material.poisson for material in patch.state.grid.surfaces.materials}) == 1
-            )
-            fields[patch] = {"rail": rail, "wheel": rail if alike else patch.field("wheel", tractions)}
-        return fields
+    @property
+    def rolling(self) -> list[tuple[WheelPatch, CreepState]]:
+        """Patches and their creep forces, empty without friction."""
+        return [(patch, patch.creep) for patch in self.patches if patch.creep is not None]
 
     @property
     def approach_mm(self) -> float:
@@ -224,7 +192,7 @@ def solve_spatial(
     _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
     surfaces = running_surfaces(problem, cache=cache, progress=progress)
     timings["compliance"] = time.perf_counter() - start
-    return replace(solve_position(rigid.on(surfaces), timings, progress), cache=cache)
+    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress), cache=cache)
 
 
 def solve_position(
@@ -239,47 +207,42 @@ def solve_position(
     """
     begun = time.perf_counter()
     equilibrium = wheelset.solve(progress, near)
-    problem = wheelset.problem
-    patches: list[SpatialPatch] = []
-    for side in SIDES if equilibrium.status.converged else ():
-        state = equilibrium.state.sides[side]
-        rolled = equilibrium.state.rolled
-        interiors = None if rolled is None else rolled.creep[side].interiors
-        patches += [SpatialPatch(side, state, ellipse) for ellipse in state.cells.patches(interiors)]
+    patches = _patches(wheelset, equilibrium.state) if equilibrium.status.converged else ()
     timings["contact"] = time.perf_counter() - begun
-    status = equilibrium.status
-    warnings = equilibrium.warnings(status, {patch.side for patch in patches})
+    status = _status_on_rails(wheelset, equilibrium)
+    warnings = equilibrium.warnings(equilibrium.status, {patch.side for patch in patches})
     warnings += [
         f"{patch.side} side, {patch.region}: {patch.remark} on a narrow patch, its maximum pressure is rough"
         for patch in patches
         if patch.remark
     ]
-    lateral, position = problem.position.lateral_mm, equilibrium.position
-    rise = wheelset.rise(position)
-    # where rigid wheels stand at the lateral position, what is not balanced says more
-    beyond = lateral is not None and abs(lateral - wheelset.start.motion.lateral_mm) > RIGID_MM
-    climbs = rise > CLIMBED_MM and (status.converged or lateral is not None)
-    if climbs or (beyond and not status.converged):
-        reason = f"derailed, at {position.lateral_mm:.1f} mm "
-        reason += f"the axle is {rise:.1f} mm higher than in the middle of the track, a flange on its rail"
-        if not climbs:
-            reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
-        if lateral is not None:
-            raise InputError(
-                f"lateral_mm = {lateral:g}: {reason}",
-                f"a position at which wheels stand, rigid ones up to {wheelset.start.motion.lateral_mm:.1f} mm",
-                "give a smaller lateral_mm",
-            )
-        status = Status(False, reason + "; check what is prescribed and the load", status.iterations)
     warnings += [
         f"{patch.side} side, {patch.region}: the patch is no ellipse; its semi-axes are those of its second moments"
         for patch in patches
-        if patch.ellipse.area < NO_ELLIPSE * np.pi * np.prod(patch.ellipse.semi_axes)
+        if patch.area < NO_ELLIPSE * np.pi * np.prod(patch.semi_axes)
     ]
-    rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
-    result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
+    result = SpatialResult(status, wheelset, equilibrium, patches, timings, tuple(warnings))
     further = (*_of_mirror_image(result), *_of_yielding(result), *_of_rolling(result))
     return replace(result, warnings=(*warnings, *further))
+
+
+def _status_on_rails(wheelset: SpatialWheelset, equilibrium: Equilibrium[SpatialState]) -> Status:
+    """Status of a search that is not converged where a wheel stands on its flange, or cannot stand at all."""
+    status, lateral = equilibrium.status, wheelset.problem.position.lateral_mm
+    rise, reached = wheelset.rise(equilibrium.position), wheelset.start.motion.lateral_mm
+    if rise > CLIMBED_MM and (status.converged or lateral is not None):
+        reason = f"derailed, at {equilibrium.position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the "
+        reason += "middle of the track, a flange on its rail"
+    # where rigid wheels stand at the lateral position, what is not balanced says more
+    elif lateral is not None and abs(lateral - reached) > RIGID_MM and not status.converged:
+        reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"
+    else:
+        return status
+    advice = "check what is prescribed and the load"
+    if lateral is not None:
+        reason = f"lateral_mm = {lateral:g}: {reason}"
+        advice = f"rigid wheels stand up to {reached:.1f} mm, give a smaller lateral_mm"
+    return Status(False, f"{reason}; {advice}", status.iterations)
 
 
 def _of_mirror_image(result: SpatialResult) -> list[str]:
@@ -308,42 +271,57 @@ def _of_mirror_image(result: SpatialResult) -> list[str]:
     return [words]
 
 
-def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
-    """Patches with their creep forces."""
-    rolled, rolled_patches = state.rolled, []
-    if rolled is None:
-        return ()
+def _patches(wheelset: SpatialWheelset, state: SpatialState) -> tuple[WheelPatch, ...]:
+    """Patches of both sides, left side first, each side by falling force, with their creep forces."""
+    strength, patches = yield_strength(wheelset.problem, *ROLES), list[WheelPatch]()
+    for side in SIDES:
+        side_state = state.sides[side]
+        of_side = [
+            WheelPatch(patch.cells, patch.inside, side, side_state, yield_MPa=strength)
+            for patch in side_state.cells.patches(state.interiors(side))
+        ]
+        if state.rolled is not None:
+            of_side = _with_creep(of_side, state.rolled.creep[side], wheelset.problem.speed_m_s)
+        patches += of_side
+    return tuple(patches)
+
+
+def _with_creep(patches: Sequence[WheelPatch], creep: SideCreep, speed_m_s: float) -> list[WheelPatch]:
+    """Patches of a side with their creep forces, and the tractions of all of them."""
+    states, tractions = list[CreepState | None](), None
     for patch in patches:
-        most = max(rolled.creep[patch.side].patches, key=lambda creep: int((creep.inside & patch.ellipse.inside).sum()))
-        if (most.inside & patch.ellipse.inside).any():
+        state = None
+        most = max(creep.patches, key=lambda of_patch: int((of_patch.inside & patch.inside).sum()))
+        if (most.inside & patch.inside).any():
             forces, contact = most.forces, most.contact
             if isinstance(forces, Rolling):
-                forces = forces.part(
-                    patch.ellipse.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)]
-                )
+                forces = forces.part(patch.inside[rows_of(patch.state, contact), strips_of(patch.state, contact)])
                 contact = forces.contact
-            rolled_patches.append(RollingPatch(patch, forces, contact, wheelset.problem.speed_m_s))
-    return tuple(rolled_patches)
+            state = CreepState(forces, contact, -SIDE_SIGN[patch.side], speed_m_s)
+            if state.cells is not None:
+                on_side = patch.on_side(state, state.cells.tractions)
+                tractions = on_side if tractions is None else tractions + on_side
+        states.append(state)
+    return [replace(patch, creep=state, tractions=tractions) for patch, state in zip(patches, states, strict=True)]
 
 
 def _of_yielding(result: SpatialResult) -> list[str]:
     """Warnings on patches under which steel yields in each passage."""
     return [
-        f"{patch.side} side, {patch.region}: p0/k = {result.load_factor(patch):.2f} is above the shakedown limits: "
+        f"{patch.side} side, {patch.region}: p0/k = {patch.load_factor:.2f} is above the shakedown limits: "
         "steel yields in each passage, which is not modelled"
         for patch in result.patches
-        if result.shakedown_state(patch) == ABOVE_SHAKEDOWN
+        if patch.shakedown_state == ABOVE_SHAKEDOWN
     ]
 
 
 def _of_rolling(result: SpatialResult) -> list[str]:
     """Warnings on creep forces."""
-    warnings = []
-    for rolled_patch in result.rolling:
-        warnings += [
-            f"{rolled_patch.patch.side} side, {rolled_patch.patch.region}: {notice}"
-            for notice in rolled_patch.forces.notices
-        ]
+    warnings = [
+        f"{patch.side} side, {patch.region}: {notice}"
+        for patch, creep in result.rolling
+        for notice in creep.forces.notices
+    ]
     for side in SIDES if result.rolling else ():
         ratio = result.lateral_over_vertical(side)
         if result.flange_touches(side) and ratio > (limit := result.nadal_limit(side)):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition
 from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
 from flangeway.railway.track.supports import ElasticAxle
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
@@ -56,6 +56,8 @@ MAX_HANGING = 30
 """Steps in a row in which a wheel on the way to a lateral position may touch nothing."""
 MAX_TURN_RAD = 0.05
 """Yaw beyond that of the guidance where the search for it ends; wheelsets in the sharpest curves run at half of it."""
+MAX_RIGID = 64
+"""Rigid geometries and equilibria of the last positions that stay in memory."""
 SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
 FLANGE_SLOPE = 3.0
@@ -109,30 +111,23 @@ class SpatialWheelset:
 
     problem: WheelsetProblem
     surfaces: Mapping[Side, SideSurfaces]
-    _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
 
     def at(self, problem: WheelsetProblem) -> "SpatialWheelset":
-        """The same bodies under another load, elsewhere, rolling in another way; rigid geometries are shared."""
+        """The same bodies under another load, elsewhere, rolling in another way."""
         return replace(self, problem=problem)
-
-    def on(self, surfaces: Mapping[Side, SideSurfaces]) -> "SpatialWheelset":
-        """The same wheelset with its running surfaces; its rigid equilibrium is kept."""
-        wheelset = replace(self, surfaces=surfaces)
-        wheelset.__dict__["start"] = self.start
-        return wheelset
 
     @property
     def geometry(self) -> RigidGeometry:
         """Rigid geometry of the wheelset on its track."""
-        yaw = self.problem.position.yaw_rad
-        if yaw not in self._geometries:
-            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheels, yaw)
-        return self._geometries[yaw]
+        track, wheels = self.problem.track, self.problem.wheels
+        # files of one name may have changed: profiles count as they were read
+        profiles = (*track.rails.values(), *wheels.wheels.values())
+        return _rigid_geometry(track, wheels, self.problem.position.yaw_rad, profiles)
 
-    @cached_property
+    @property
     def start(self) -> RigidStart:
         """Rigid equilibrium."""
-        return rigid_start(self.problem, self.geometry)
+        return _rigid_start(self.problem, self.geometry)
 
     def solve(
         self, progress: Callable[[str], None] = lambda _: None, near: RollingPlace | None = None
@@ -360,6 +355,16 @@ class SpatialWheelset:
             planes = int(lead / strip) + np.arange(-5, 6)
         grid = PatchGrid.on_planes(ends, strip, int(planes[0]) - STRIP_STEP + 1, int(planes[-1]) + STRIP_STEP - 1)
         return GriddedSide(surfaces, grid, pose)
+
+
+@lru_cache(maxsize=MAX_RIGID)
+def _rigid_geometry(track: Track, wheels: WheelPair, yaw_rad: float, _profiles: object) -> RigidGeometry:
+    return RigidGeometry.of(track, wheels, yaw_rad)
+
+
+@lru_cache(maxsize=MAX_RIGID)
+def _rigid_start(problem: WheelsetProblem, geometry: RigidGeometry) -> RigidStart:
+    return rigid_start(problem, geometry)
 
 
 @dataclass

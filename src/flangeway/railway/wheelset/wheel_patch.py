@@ -1,21 +1,26 @@
 """Contact patch of a wheel in equilibrium on its rail, and the stresses below it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from flangeway.contact import Surface
-from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact, press_patch
+from flangeway.contact.patch.normal_contact import Convolution, Pressing
+from flangeway.contact.patch.patch_contact import PatchContact, SpatialPatch, press_patch
 from flangeway.contact.patch.patch_grid import Axis, PatchBody, grid_about, pairs_of
-from flangeway.exact import PointContact
+from flangeway.contact.rolling.creep_state import CreepState
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.exact.shakedown import shakedown_state
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, StressField, half_space_profile, stress_field
 from flangeway.problems import Body, Elasticity, Harmonic
 from flangeway.railway.track.placements import SIDE_SIGN, Side
-from flangeway.railway.track.wheelset_problem import Role
-from flangeway.railway.wheelset.side_contact import SideState
+from flangeway.railway.track.wheelset_problem import ROLES, Role
+from flangeway.railway.wheelset.rolling.patch_rolling import contact_in, forces_on_cells, rows_of, strips_of
+from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, tangents_of
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, region_of
 from flangeway.types import Floats
 
@@ -23,66 +28,67 @@ DEPTHS = (0.05, 3.0)
 """Least depth relative to the shorter semi-axis, and greatest one relative to the longer one, of the lines below
 patches."""
 N_DEPTHS = 40
-MIN_CELLS_OF_PATCH = 10
-"""Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialPatch:
-    """One patch between a wheel and its rail.
+class WheelPatch(SpatialPatch):
+    """One patch between a wheel and its rail, in the right-hand form of its side.
 
     - `side`: of the track.
-    - `state`: contact of the side, in its right-hand form.
-    - `ellipse`: resultant, axes and cells in this form.
+    - `state`: contact of the side.
+    - `creep`: creep forces on the wheel; None without friction.
+    - `tractions`: by friction on the wheel's cells of the whole side, along t and z, shape (n, n_z, 2); None where the
+      theory has none.
+    - `yield_MPa`: yield strength; None where it is not known.
     """
 
     side: Side
     state: SideState
-    ellipse: ContactEllipse
+    creep: CreepState | None = None
+    tractions: Floats | None = None
+    yield_MPa: float | None = None  # noqa: N815
 
     @property
     def force_on_wheel_N(self) -> Floats:  # noqa: N802
-        """Force on the wheel in the track's axes, shape (2,)."""
-        return self.ellipse.force * (SIDE_SIGN[self.side], 1.0)
+        """Normal and creep force on the wheel, N, in the track's axes: x to the right, y up, z ahead, shape (3,)."""
+        return np.append(self.force * (SIDE_SIGN[self.side], 1.0), 0.0) + self.creep_force_on_wheel_N
+
+    @cached_property
+    def creep_force_on_wheel_N(self) -> Floats:  # noqa: N802
+        """Creep force on the wheel, N, in the track's axes, 0 without friction, shape (3,)."""
+        if self.creep is None:
+            return np.zeros(3)
+        across, along = forces_on_cells(self.creep.forces, self.creep.contact).sum(axis=1).T
+        normals = self.state.normals[rows_of(self.state, self.creep.contact)]
+        return np.append(across @ tangents_of(normals), along.sum()) * (SIDE_SIGN[self.side], 1.0, 1.0)
 
     @property
     def centre_mm(self) -> Floats:
         """Centre of pressure in the track's axes: x to the right, y up, z ahead of the axle, shape (3,)."""
-        return self.ellipse.centre * (SIDE_SIGN[self.side], 1.0, 1.0)
+        return self.centre * (SIDE_SIGN[self.side], 1.0, 1.0)
 
     @property
     def contact_angle_rad(self) -> float:
-        """Angle of the plane normal to the resultant from the track's plane, positive towards the flange."""
-        return float(np.arctan2(-self.ellipse.force[0], self.ellipse.force[1]))
+        """Angle of the plane normal to the normal force from the track's plane, positive towards the flange."""
+        return float(np.arctan2(-self.force[0], self.force[1]))
 
     @property
     def region(self) -> str:
         """Part of the rail in contact; see `flangeway.railway.wheelset.wheelset_model.region_of`."""
-        lateral, vertical = self.force_on_wheel_N.tolist()
-        return region_of(self.side, lateral, vertical)
-
-    @cached_property
-    def _shares(self) -> Floats:
-        """Shares of all cells of the side in the force, (n, n_z)."""
-        forces = np.where(self.ellipse.inside, self.state.forces, 0.0)
-        return forces / forces.sum()
-
-    @property
-    def _station(self) -> float:
-        """Length along the rail's elastic surface of the centre of pressure."""
-        return float(self._shares.sum(axis=1) @ self.state.grid.grid.stations)
+        lateral, vertical = self.force.tolist()
+        return region_of("right", lateral, vertical)
 
     @property
     def rail_point_mm(self) -> Floats:
         """Centre of pressure on the undeformed rail, in the frame of its profile, shape (2,)."""
         surfaces = self.state.grid.surfaces
-        return surfaces.rail_frame.inverse().points(surfaces.rail_points(np.array([self._station]))[0])[0]
+        return surfaces.rail_frame.inverse().points(surfaces.rail_points(np.array([self.station]))[0])[0]
 
     @property
     def wheel_point_mm(self) -> Floats:
         """Centre of pressure on the undeformed wheel, in the frame of its profile, shape (2,)."""
         surfaces = self.state.grid.surfaces
-        along = np.array([(self._shares * self.state.gap.along).sum()])
+        along = np.array([(self.fractions * self.state.gap.along).sum()])
         point = np.stack((along, surfaces.wheel.over(along).y), axis=1)
         return surfaces.wheel_frame.inverse().points(point)[0]
 
@@ -90,53 +96,63 @@ class SpatialPatch:
     def rolling_radius_mm(self) -> float:
         """Distance of the centre of pressure from the axle."""
         heights = self.state.grid.surfaces.wheel.over(self.state.gap.along).y
-        return -float((self._shares * heights).sum())
+        return -float((self.fractions * heights).sum())
 
     @property
     def conformity_deg(self) -> float:
         """Angle by which the rail's normal turns across the patch, in degrees."""
-        normals = self.state.normals[self.ellipse.inside.any(axis=1)]
+        normals = self.state.normals[self.inside.any(axis=1)]
         return float(np.rad2deg(np.ptp(np.arctan2(normals[:, 0], normals[:, 1]))))
 
-    @cached_property
-    def hertz(self) -> PointContact | None:
-        """Hertz's contact for its force and the curvatures of its gap, None where these vary too much."""
-        gaps = self.state.gap.gaps
-        inside = self.ellipse.inside
-        approach = float(np.ptp(gaps[inside]))
-        if min(self.ellipse.cells) < 3 or not approach > 0.0:
-            return None
-        return self.state.cells.hertz(self.ellipse, gaps, approach)
+    @property
+    def load_factor(self) -> float | None:
+        """Maximum pressure over the shear strength, p0 / k; None if the yield strength is not known."""
+        return float(np.sqrt(3.0) * self.max_pressure / self.yield_MPa) if self.yield_MPa else None
 
     @property
-    def remark(self) -> str | None:
-        """What limits the maximum pressure, None if nothing does."""
-        across, along = self.ellipse.cells
-        return f"{across} by {along} cells" if min(across, along) < MIN_CELLS_OF_PATCH else None
+    def shakedown_state(self) -> str | None:
+        """State of the steel under repeated rolling, see `flangeway.exact.shakedown.shakedown_state`."""
+        factor = self.load_factor
+        return None if factor is None else shakedown_state(factor, self.creep.used_friction if self.creep else 0.0)
 
-    def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
-        """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the side.
+    def on_side(self, creep: CreepState, values: Floats) -> Floats:
+        """Values (n_cells, n_strips, ...) of the cells of its creep forces on all cells of the side, 0 elsewhere."""
+        whole = np.zeros((*self.inside.shape, *values.shape[2:]))
+        whole[rows_of(self.state, creep.contact), strips_of(self.state, creep.contact)] = values
+        return whole
 
-        Axes: x along the surface, y along its outward normal, z along the track. The tractions by friction on the
-        wheel's cells, along x and z, have the shape (n_cells, n_strips, 2).
+    @cached_property
+    def lines(self) -> dict[Role, DepthProfile]:
+        """Stresses on the normals below the centre of pressure, of half-spaces under the tractions of the side.
+
+        Axes: x along the surface, y along its outward normal, z along the track.
         """
-        grid, loads = self.state.grid.grid, self._loads(role, tractions)
+        return {role: self._line(role) for role in ROLES}
+
+    def _line(self, role: Role) -> DepthProfile:
+        grid, loads = self.cells.grid, self._loads(role)
         window = np.ix_(loads.any(axis=(1, 2)), loads.any(axis=(0, 2)))
         loads = loads[window]
         return half_space_profile(
             (grid.cells[window[0][:, 0]], pairs_of(grid.strip_bounds)[window[1][0]]),
             loads[..., 0],
-            (self._station, float(self.ellipse.centre[2])),
+            (self.station, float(self.centre[2])),
             self._depths,
             self._poisson(role),
-            None if tractions is None else loads[..., 1:],
+            None if self.tractions is None else loads[..., 1:],
         )
 
-    def field(self, role: Role, tractions: Floats | None = None) -> StressField:
-        """Stresses in the volume below the patch, as `below`."""
-        grid, depths = self.state.grid.grid, np.append(0.0, self._depths)
-        loads = self._loads(role, tractions)
-        return stress_field(grid.cells, grid.along, loads, self.ellipse.inside, depths, self._poisson(role))
+    @cached_property
+    def stress_fields(self) -> dict[Role, StressField]:
+        """Stresses in the volumes below the patch, as `lines`."""
+        rail = self._field("rail")
+        # without tractions both bodies of one material have the same stresses
+        same = self.tractions is None and self._poisson("rail") == self._poisson("wheel")
+        return {"rail": rail, "wheel": rail if same else self._field("wheel")}
+
+    def _field(self, role: Role) -> StressField:
+        grid, depths = self.cells.grid, np.append(0.0, self._depths)
+        return stress_field(grid.cells, grid.along, self._loads(role), self.inside, depths, self._poisson(role))
 
     def points_below(self, role: Role, along: Floats, depths: Floats, z: Floats) -> Floats:
         """Points of a body at depths below lengths along the rail's surface, in the track's axes; (n,) each, (n, 3)."""
@@ -151,7 +167,7 @@ class SpatialPatch:
 
     @property
     def _depths(self) -> Floats:
-        long, short = self.ellipse.semi_axes
+        long, short = self.semi_axes
         return np.geomspace(DEPTHS[0] * short, DEPTHS[1] * long, N_DEPTHS)
 
     def _poisson(self, role: Role) -> float:
@@ -159,12 +175,51 @@ class SpatialPatch:
         rail, wheel = self.state.grid.surfaces.materials
         return (wheel if role == "wheel" else rail).poisson
 
-    def _loads(self, role: Role, tractions: Floats | None) -> Floats:
+    def _loads(self, role: Role) -> Floats:
         """Pressure and shears of all cells of the side on a body as a half-space, (n_cells, n_strips, 1 or 3)."""
-        pressures = self.state.cells.pressures[..., None]
-        if tractions is None:
+        pressures = self.cells.pressures[..., None]
+        if self.tractions is None:
             return pressures
-        return np.concatenate((pressures, tractions * (1.0 if role == "wheel" else -1.0)), axis=2)
+        return np.concatenate((pressures, self.tractions * (1.0 if role == "wheel" else -1.0)), axis=2)
+
+
+def rolling_contact_of(
+    patch: WheelPatch, friction: Friction, origin: tuple[float, float] | None = None
+) -> RollingContact:
+    """Cells of a patch, to roll on the real bodies.
+
+    Parameters
+    ----------
+    patch
+        Patch of a wheelset in equilibrium.
+    friction
+        Coefficients of friction; several are those of the cells of the whole side, one for each row.
+    origin
+        Place that creepages and moments are of: length along the rail's elastic surface, and z; left out: the centre
+        of pressure.
+
+    Returns
+    -------
+    RollingContact
+        The smallest box of rows and strips about the patch, with the pressures of this patch only. Bodies of different
+        materials find their pressures anew with friction, at the same resultant.
+
+    """
+    state = patch.state
+    normal, inside = state.forces, patch.inside
+    rail, wheel = state.grid.surfaces.materials
+    if rail == wheel:
+        return contact_in(state, normal, inside, friction, origin)
+    contact = contact_in(state, normal, inside, friction, origin, whole=True)
+    rows = rows_of(state, contact)
+    box = rows, strips_of(state, contact)
+    influence = Convolution(np.ascontiguousarray(contact.coefficients[: contact.grid.n_strips, 1::3, 1::3]))
+    undeformed = state.gaps[box] - influence(contact.normal_forces)
+    undeformed[(normal > 0.0)[box] & ~inside[box]] = FAR_MM
+    force = contact.normal_forces.sum(axis=1) @ state.normals[rows]
+    total = float(np.linalg.norm(force))
+    share = (state.normals[rows] @ force / total)[:, None]
+    return replace(contact, pressed=Pressing(influence, undeformed, share, total))
 
 
 def spatial_patch(

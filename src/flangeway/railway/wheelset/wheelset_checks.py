@@ -11,7 +11,8 @@ from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_problem import ROLES, Role, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
+from flangeway.railway.wheelset.plane_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -57,12 +58,11 @@ def checked(
     - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
     """
     names = [f"the {side} contact" for side in SIDES]
-    regions = [patch.pressure for patch in patches]
     plane = model.problem.plane
     stiffer = "raise penalty_factor" if plane.nodal_penalty_N_per_mm is None else "raise nodal_penalty_N_per_mm"
     if plane.enforcement == "augmented-lagrange":
         stiffer = "lower penetration_mm"
-    checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
+    checks = check_contact(model.system, equilibrium.state, patches, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, overlaps)]
     if not all(np.isfinite(values).all() for values in displacements.values()):
         errors.append("displacements are not finite numbers")
@@ -96,7 +96,7 @@ def _unbalanced(model: WheelsetModel, patches: Iterable[WheelRailPatch]) -> list
 
 
 def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap]) -> list[str]:
-    sides = dict.fromkeys(patch.side for patch in patches if patch.pressure.at_edge)
+    sides = dict.fromkeys(patch.side for patch in patches if patch.at_edge)
     errors = [
         f"the {side} contact reaches the edge of the candidate zone, so contact outside of it is missing; check the "
         "profiles and the load"
@@ -166,5 +166,5 @@ def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name
         if name.endswith(patch.side):
             centre = patch.wheel_point_mm if name.startswith("wheel") else patch.rail_point_mm
             distance = np.linalg.norm(mesh.cell_centroids - centre, axis=1)
-            near |= distance <= max(DEPTH_BELOW * patch.pressure.half_width, float(distance.min()))
+            near |= distance <= max(DEPTH_BELOW * patch.half_width, float(distance.min()))
     return near

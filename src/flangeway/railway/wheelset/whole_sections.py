@@ -101,7 +101,7 @@ def _profile(problem: WheelsetProblem, side: Side, role: Role) -> WheelProfile |
 
 def _cut(result: SpatialResult, side: Side, role: Role, whole: SurfaceCells) -> _Cut:
     """The plane through the side's first patch."""
-    centre = next(patch.ellipse.centre for patch in result.patches if patch.side == side)
+    centre = next(patch.centre for patch in result.patches if patch.side == side)
     state = result.equilibrium.state.sides[side]
     grid, surfaces, z = state.grid.grid, state.grid.surfaces, float(centre[2])
     loaded = state.forces.any(axis=1)
@@ -145,11 +145,11 @@ def _on_wheel(result: SpatialResult, side: Side) -> Floats:
     state = result.equilibrium.state.sides[side]
     total = np.zeros((*state.forces.shape, 3))
     total[..., :2] = state.forces[..., None] * state.normals[:, None]
-    for patch in result.rolling:
-        if patch.patch.side == side:
-            creep = patch.on_side(forces_on_cells(patch.forces, patch.contact))
-            total[..., :2] += creep[..., :1] * tangents_of(state.normals)[:, None]
-            total[..., 2] += creep[..., 1]
+    for patch, creep in result.rolling:
+        if patch.side == side:
+            across, along = np.moveaxis(patch.on_side(creep, forces_on_cells(creep.forces, creep.contact)), 2, 0)
+            total[..., :2] += across[..., None] * tangents_of(state.normals)[:, None]
+            total[..., 2] += along
     return total
 
 

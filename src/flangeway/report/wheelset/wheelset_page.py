@@ -182,7 +182,7 @@ def stresses_below(result: SpatialResult, side: Side) -> dict[str, Floats]:
     grid = result.equilibrium.state.sides[side].grid.grid
     total = np.zeros((len(BELOW_MM) + 1, len(grid.stations), grid.n_strips))
     for patch in (patch_of_side for patch_of_side in result.patches if patch_of_side.side == side):
-        field = result.stress_fields[patch]["rail"]
+        field = patch.stress_fields["rail"]
         row = np.searchsorted(field.depths, BELOW_MM).clip(1, len(field.depths) - 1)
         part = (BELOW_MM - field.depths[row - 1]) / np.diff(field.depths)[row - 1]
         low, high = field.von_mises[row - 1], field.von_mises[row]
@@ -475,9 +475,9 @@ def wheelset_facts(run: WheelsetRun) -> list[tuple[str, str]]:
     facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
     facts.append(fact(LATERAL, run.result, units))
     facts += [fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)]
-    names = {id(patch): name for patch, name in zip(run.patches, run.patch_names, strict=True)}
-    for patch in sorted(run.spatial_patches, key=lambda patch: -patch.max_pressure)[:1]:
-        name = names[id(patch)]
+    spatial = () if run.in_space is None else run.in_space.patches
+    for patch in sorted(spatial, key=lambda patch: -patch.max_pressure)[:1]:
+        name = patch_name(patch)
         if LOAD_FACTOR.value(patch) is not None:
             facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
         facts.append(fact(MAX_VON_MISES, patch, units, name))
@@ -499,7 +499,7 @@ def _of_wheels(quantities: Sequence[Quantity[WheelResult]], run: WheelsetRun) ->
 
 def results_table(run: WheelsetRun) -> SummaryTable:
     """Position, L/V of the wheels and patches, one column a patch; what is of a side is in its first column."""
-    units, sides = run.case.units, [patch.patch.side for patch in run.patches]
+    units, sides = run.case.units, [patch.side for patch in run.patches]
     position: Sequence[Quantity[AnyResult]] = (LATERAL, APPROACH)
     quantities: Sequence[Quantity[Any]] = PLANE_MAIN
     wheels: Sequence[Quantity[WheelResult]] = (RATIO, GAUGE_DEPTH)
@@ -534,8 +534,8 @@ def _tables(run: WheelsetRun) -> list[SummaryTable]:
 
 def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
     """Creep forces and power of the patches, and how the whole wheelset rolls."""
-    units, patches = run.case.units, run.spatial_patches
-    theory = next(patch.creep.theory for patch in patches if patch.creep is not None)
+    units, patches = run.case.units, run.space.patches
+    theory = run.space.rolling[0][1].theory
     caption = f"Rolling: creep forces by {theory}; the stresses below the patches include their tractions"
     rows = rows_of(present(ROLLING, run.space), run.space, units)
     for wheel in run.wheels:
@@ -548,7 +548,7 @@ def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
 
 def _files(run: WheelsetRun) -> dict[str, Writer]:
     """Return functions that write surfaces and tables, by the files' names."""
-    writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.spatial_patches, run.case.units).csv(DIGITS))}
+    writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.space.patches, run.case.units).csv(DIGITS))}
     if run.space.rails:
         writers[RAILS] = text_writer(rails_csv(run))
     sections, loaded = {role: whole_sections(run.space, role) for role in ROLES}, {p.side for p in run.space.patches}

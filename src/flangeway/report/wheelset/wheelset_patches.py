@@ -10,8 +10,6 @@ from matplotlib.patches import Polygon
 
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
-from flangeway.contact.rolling.fast_theories import SimplifiedRolling
-from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
@@ -21,7 +19,7 @@ from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.wheel_patch import SpatialPatch
+from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_model import SUPPORT
 from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
@@ -81,7 +79,7 @@ def patch_map(result: SpatialResult, side: Side) -> PatchMap:
     arcs, stations = surfaces.rail_stations.T
     at = surfaces.rail.at(arcs)
     middle = surfaces.rail_frame.inverse().points(np.stack((at.x, at.y), axis=1))[:, 0]
-    patches = [(patch.ellipse, patch.hertz) for patch in result.patches if patch.side == side]
+    patches = [patch for patch in result.patches if patch.side == side]
     return PatchMap(state.cells, patches, float(np.interp(0.0, middle, stations)), SIDE_SIGN[side])
 
 
@@ -98,7 +96,7 @@ def section_figure(run: WheelsetRun) -> Figure:
             ordinates = points - ORDINATE_MM / highest * pressures[:, None] * normals
             axes.fill(*np.vstack((points, ordinates[::-1])).T, color=PURPLE, alpha=0.55, lw=0.0)
             axes.plot(*ordinates.T, color=PURPLE, lw=0.9)
-        _draw_forces(axes, [patch for patch in run.patches if patch.patch.side == side])
+        _draw_forces(axes, [patch for patch in run.patches if patch.side == side])
         equal_axes(axes, _view(bodies[0], side))
         axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
     track = run.problem.track
@@ -134,9 +132,8 @@ def _pressures(run: WheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, F
     if run.in_space is None:
         for patch in run.plane.patches:
             if patch.side == side:
-                force, pressure = patch.force_on_wheel_N, patch.pressure
-                normal = force / np.linalg.norm(force)
-                yield pressure.points, np.broadcast_to(normal, pressure.points.shape), pressure.pressures
+                normal = patch.force_on_wheel_N / patch.normal_force_N
+                yield patch.points, np.broadcast_to(normal, patch.points.shape), patch.pressures
         return
     state, mirror = run.space.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
     values = state.cells.pressures.max(axis=1)
@@ -156,9 +153,9 @@ def _view(rail: Floats, side: Side) -> Floats:
 
 def _draw_forces(axes: Axes, patches: Sequence[AnyPatch]) -> None:
     """Draw the force on the wheel at each patch, with its size and the maximum pressure."""
-    units, centres = units_of(axes), np.array([patch.centre for patch in patches])
+    units, centres = units_of(axes), np.array([patch.centre_mm[:2] for patch in patches])
     for patch, centre in zip(patches, centres, strict=True):
-        force = patch.patch.force_on_wheel_N
+        force = patch.force_on_wheel_N[:2]
         size = float(np.linalg.norm(force))
         end = centre + ARROW_MM * force / size
         axes.annotate("", tuple(end), tuple(centre), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3})
@@ -172,7 +169,7 @@ def _draw_forces(axes: Axes, patches: Sequence[AnyPatch]) -> None:
 def contact_figure(run: WheelsetRun) -> Figure:
     """Draw the von Mises stress about each contact of a plane wheelset, deformed, in true shape and scale."""
     patches = run.plane.patches
-    windows = [box([np.atleast_2d(patch.pressure.centre)], WINDOW * patch.pressure.half_width) for patch in patches]
+    windows = [box([np.atleast_2d(patch.centre)], WINDOW * patch.half_width) for patch in patches]
     figure, zones = stress_panels(list(drawn_parts(run.plane).values()), windows, run.case.units)
     for axes, name in zip(zones, run.patch_names, strict=True):
         axes.set_title(name, fontsize=10)
@@ -182,7 +179,7 @@ def contact_figure(run: WheelsetRun) -> Figure:
 def nodes_figure(run: WheelsetRun) -> Figure:
     """Draw the nodes' pressures of a plane wheelset (Moherdaui 2021, Figure 63), beside Hertz's."""
     named = zip(run.patch_names, run.plane.patches, strict=True)
-    return pressure_curves([(name, patch.pressure, patch.hertz) for name, patch in named], run.case.units)
+    return pressure_curves([(name, patch, patch.hertz) for name, patch in named], run.case.units)
 
 
 def patches_figure(run: WheelsetRun) -> Figure:
@@ -200,7 +197,7 @@ def patches_figure(run: WheelsetRun) -> Figure:
     return figure
 
 
-def lines_below(result: SpatialResult) -> list[tuple[SpatialPatch, Role]]:
+def lines_below(result: SpatialResult) -> list[tuple[WheelPatch, Role]]:
     """Patches and the bodies below them whose stresses differ: rail and wheel have the same in one material."""
     ratios = {role: result.problem.material_of(role).poisson for role in ROLES}
     roles: tuple[Role, ...] = ("rail",) if len(set(ratios.values())) == 1 else ROLES[::-1]
@@ -214,7 +211,7 @@ def stresses_figure(run: WheelsetRun) -> Figure:
     figure = new_figure(12.5, 0.7 + 3.3 * max(len(lines), 1), units)
     rows = figure.subplots(max(len(lines), 1), 3, squeeze=False)
     for row, (patch, role) in zip(rows, lines, strict=False):
-        field = run.space.stress_fields[patch][role]
+        field = patch.stress_fields[role]
         highest, shown = field.max_von_mises, patch_map(run.space, patch.side)
         at = field.nearest(highest.position)
         across, values = shown.across(field.along), field.von_mises
@@ -269,19 +266,12 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
     # right of the track to the right, lengths from the middle of the rail's profile
     shown = [
         ShownRolling(
-            patch_name(rolled_patch.patch),
-            rolled_patch.forces,
-            rolled_patch.speed_m_s,
-            patch_map(result, rolled_patch.patch.side).origin,
-            SIDE_SIGN[rolled_patch.patch.side],
+            patch_name(patch), creep.cells, creep.speed, patch_map(result, patch.side).origin, SIDE_SIGN[patch.side]
         )
-        for rolled_patch in result.rolling
-        if isinstance(rolled_patch.forces, Rolling | SimplifiedRolling)
+        for patch, creep in result.rolling
+        if creep.cells is not None
     ]
-    points = [
-        (patch_name(rolled_patch.patch), rolled_patch.used_friction, rolled_patch.patch.ellipse.max_pressure)
-        for rolled_patch in result.rolling
-    ]
+    points = [(patch_name(patch), creep.used_friction, patch.max_pressure) for patch, creep in result.rolling]
     figures: Figures = {}
     if shown:
         figures[MAPS] = lambda: rolling_figure(shown, units)
@@ -346,14 +336,14 @@ def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) ->
     The points are in the track's axes; components of the stress are those across (x), normal to the surface (y) and
     along the track (z) at each patch.
     """
-    stress_fields = [(patch, result.stress_fields[patch][role]) for patch in result.patches if patch.side == side]
+    stress_fields = [(patch, patch.stress_fields[role]) for patch in result.patches if patch.side == side]
     grids: list[Floats] = []
     stresses: list[Floats] = []
     mises: list[Floats] = []
     for patch, field in stress_fields:
         # beyond the last cells the surface has no points of its own
         low, high = patch.state.grid.grid.stations[[0, -1]]
-        shown = np.ix_(field.depths <= DEPTH * patch.ellipse.semi_axes[1], (field.along >= low) & (field.along <= high))
+        shown = np.ix_(field.depths <= DEPTH * patch.semi_axes[1], (field.along >= low) & (field.along <= high))
         depths, along, z = np.meshgrid(
             field.depths[shown[0].ravel()], field.along[shown[1].ravel()], field.z, indexing="ij"
         )
@@ -375,13 +365,12 @@ def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, 
     axes = np.zeros((len(state.normals), 2, 3))
     axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
     axes[:, 1, 2] = 1.0
-    for patch in result.rolling:
-        forces = patch.forces
-        if not isinstance(forces, Rolling | SimplifiedRolling):
+    for patch, creep in result.rolling:
+        if creep.cells is None:
             continue
-        for name, values in cell_fields(forces, patch.speed_m_s).items():
-            here = patch.patch.side == side
-            whole = patch.on_side(values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
+        for name, values in cell_fields(creep.cells, creep.speed).items():
+            here = patch.side == side
+            whole = patch.on_side(creep, values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
             if values.ndim > 2:
                 whole = np.einsum("nma,nax->nmx", whole, axes)
             total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
@@ -406,7 +395,7 @@ def below_table(run: WheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
     rows: list[dict[str, object]] = []
     for patch, role in lines_below(run.space):
-        line = patch.below(role, run.space.tractions_of(patch.side))
+        line = patch.lines[role]
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
         rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
