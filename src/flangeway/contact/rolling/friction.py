@@ -185,7 +185,9 @@ class FrictionInputs(Record):
         decay = 0.0 if falling is None else falling.decay_m_per_s
         if by_row is None:
             return Friction(static, kinetic, decay, heating, self.slope)
-        return Friction(by_row, (kinetic / static if static > 0.0 else 1.0) * by_row, decay, heating, self.slope)
+        # rows with the static coefficient have the kinetic one to the last digit
+        fallen = np.where(by_row == static, kinetic, (kinetic / static if static > 0.0 else 1.0) * by_row)
+        return Friction(by_row, fallen, decay, heating, self.slope)
 
 
 @dataclass(frozen=True, eq=False)
