@@ -20,18 +20,21 @@ import numpy as np
 import pytest
 
 from flangeway.campaign import Campaign
-from flangeway.cases import load_case
 from flangeway.cases.case_file import read_case
 from flangeway.errors import InputError
 from flangeway.live.engine import LiveEngine, SupersededError
+from flangeway.railway.profiles import bundled
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.report.wheelset.wheelset_page import results_table
 from tests.docs.conftest import blocks_of
 
-COARSE = {"size_scale": "6", "order": "1", "rail_support": "continuous", "wheel": "S1002", "rail": "60E1"}
+COARSE = {
+    "mesh.size_scale": "6", "mesh.order": "1", "track.support": "continuous", "wheelset.wheel": "S1002",
+    "track.rail": "60E1",
+}  # fmt: skip
 STATES = [
-    {"lateral_mm": "-1", "yaw_mrad": "3", "axle_load_kN": "160"},
-    {"lateral_mm": "0.5", "friction": "0.3", "speed_km_h": "80", "rolling_theory": "fastsim"},
+    {"position.lateral_mm": "-1", "position.yaw_mrad": "3", "load.axle_load_kN": "160"},
+    {"position.lateral_mm": "0.5", "rolling.friction": "0.3", "rolling.speed_km_h": "80", "rolling.theory": "fastsim"},
 ]
 
 
@@ -49,7 +52,7 @@ def test_a_position_has_the_numbers_of_a_run(engine):
     other, state = STATES
     assert engine.position(COARSE | other)["converged"]
     found = engine.position(COARSE | state)
-    run = load_case("wheelset", **engine.case(COARSE | state).model_dump(exclude_unset=True)).run()
+    run = engine.case(COARSE | state).run()
     assert found["converged"]
     assert found["table"]["rows"] == results_table(run).rows
     assert found["max_pressure_MPa"] == max(patch.max_pressure for patch in run.result.patches)
@@ -65,9 +68,9 @@ def test_a_position_has_the_numbers_of_a_run(engine):
 
 def test_rigid_contact_is_that_of_the_geometry(engine):
     """Contact points, angles, radii and conicity are those of the rigid geometry of the same track and wheelset."""
-    inputs = COARSE | {"yaw_mrad": "5"}
+    inputs = COARSE | {"position.yaw_mrad": "5"}
     found, case = engine.geometry(inputs), engine.case(inputs)
-    geometry = RigidGeometry.of(case.track(), case.wheelset(), 5e-3)
+    geometry = RigidGeometry.of(case.track, case.wheels, 5e-3)
     locus = geometry.locus(np.array(found["lateral"])[::40])
     right = found["sides"]["right"]
     assert np.array(right["points"])[::40] == pytest.approx(locus.right.points_mm[:, 0], abs=1e-4)
@@ -77,25 +80,25 @@ def test_rigid_contact_is_that_of_the_geometry(engine):
 
 def test_what_is_saved_computes_the_same_case(engine, tmp_path):
     """The saved file is the case of the page; the saved campaign has its inputs at 25 lateral positions."""
-    inputs = COARSE | {"lateral_mm": "1.25", "axle_load_kN": "180"}
+    inputs = COARSE | {"position.lateral_mm": "1.25", "load.axle_load_kN": "180"}
     saved = engine.saved(inputs)
     (tmp_path / "case.toml").write_text(saved["case"])
     assert read_case(tmp_path / "case.toml") == engine.case(inputs)
     assert "lateral_mm=1.25" in saved["command"]
     (tmp_path / "campaign.toml").write_text(saved["campaign"])
     rows = Campaign.from_file(tmp_path / "campaign.toml").rows
-    assert [row.case.lateral_mm for row in rows] == pytest.approx(np.linspace(-6.0, 6.0, 25))
-    assert {row.case.axle_load_kN for row in rows} == {180.0}
+    assert [row.case.position.lateral_mm for row in rows] == pytest.approx(np.linspace(-6.0, 6.0, 25))
+    assert {row.case.load.axle_load_kN for row in rows} == {180.0}
 
 
 def test_a_file_that_is_dropped_again_replaces_the_one_before(engine):
     """Rigid contact is that of the content of a file, not of its name."""
     heights = []
     for wheel in ("S1002", "heavy-haul"):
-        points = load_case("wheelset", wheel=wheel).wheelset().wheel.running_surface.sampled(spacing=0.3)
+        points = bundled.wheel(wheel).running_surface.sampled(spacing=0.3)
         lines = ["# kind: wheel", *(f"{x:.4f},{y:.4f}" for x, y in points)]
         engine.add_profile("worn.csv", "\n".join(lines).encode(), {})
-        heights.append(engine.geometry(COARSE | {"wheel": "worn.csv"})["difference"])
+        heights.append(engine.geometry(COARSE | {"wheelset.wheel": "worn.csv"})["difference"])
     assert heights[0] != heights[1]
 
 
@@ -105,7 +108,7 @@ def test_a_newer_position_stops_the_one_before(engine):
 
     def ask(number):
         try:
-            answers[number] = engine.position(COARSE | {"lateral_mm": f"{0.1 * number:g}"})["lateral_mm"]
+            answers[number] = engine.position(COARSE | {"position.lateral_mm": f"{0.1 * number:g}"})["lateral_mm"]
         except SupersededError:
             answers[number] = None
 
@@ -118,7 +121,8 @@ def test_a_newer_position_stops_the_one_before(engine):
 
 
 @pytest.mark.parametrize(
-    ("key", "name"), [("wheel", "../secret.whl"), ("rail", "/etc/passwd"), ("friction_file", "/etc/passwd")]
+    ("key", "name"),
+    [("wheelset.wheel", "../secret.whl"), ("track.left.rail", "/etc/passwd"), ("rolling.friction.file", "/etc/passwd")],
 )
 def test_only_files_that_were_given_are_read(engine, key, name):
     """A path that the user did not give is refused before anything is opened."""
@@ -192,7 +196,7 @@ def test_pages_of_others_are_refused(served):
 BODIES = [
     *("", "[]", "null", "1", '"x"', "{", "[" * 900_000, '{"a":' * 100_000),
     *('{"wheel": 1}', '{"wheel": null}', '{"wheel": {}}', r'{"wheel": "S\u0000"}', r'{"wheel\u0000": "S"}'),
-    *(r'{"\ud800": "x"}', '{"gauge_mm": "1e999"}', '{"friction_file": "/etc/passwd"}', '{"x": NaN}'),
+    *(r'{"\ud800": "x"}', '{"gauge_mm": "1e999"}', '{"rolling.friction.file": "/etc/passwd"}', '{"x": NaN}'),
     *(json.dumps({f"k{number}": "1" for number in range(n)}) for n in (199, 60_000)),
     *(
         '{"a": "%s"}' % ("x" * 1_100_000),
