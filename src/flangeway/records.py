@@ -504,7 +504,8 @@ def path_by_ending(record: type[Record], name: str) -> list[str]:
         unit = us_key(path[-1])
         for last in (path[-1], *([unit.name] if unit else [])):
             by_name.setdefault(last, []).append(".".join((*path[:-1], last)))
-    known = [path for last in similar(parts[-1], by_name) for path in by_name[last]][:MAX_SIMILAR]
+    by_depth = {last: sorted(found, key=lambda path: path.count(".")) for last, found in by_name.items()}
+    known = [path for last in similar(parts[-1], by_name) for path in by_depth[last]][:MAX_SIMILAR]
     everything = f"`flangeway cases {record.called()}` lists all {len(paths)}"
     raise InputError(
         f"there is no input called {short(name)}",
@@ -534,12 +535,13 @@ def with_settings(record: type[Record], values: Mapping[str, Any], settings: Map
     - `settings`: values by paths or their endings, see `path_by_ending`; items of lists by their numbers from 1, or
       their ``name``: ``bodies.disc.size_mm``.
     """
-    changed, spelled = dict(values), list[list[str]]()
+    changed, spelled = dict(values), dict[str, list[str]]()
     for name, value in settings.items():
         path = path_by_ending(record, name)
-        if any(before[:-1] == path[:-1] and same_quantity(before[-1], path[-1]) for before in spelled):
-            raise InputError(f"{name}, and the same quantity in another unit", "one of them", f"leave {name} out")
-        spelled.append(path)
+        for other, before in spelled.items():
+            if before == path or (before[:-1] == path[:-1] and same_quantity(before[-1], path[-1])):
+                raise InputError(f"{name} and {other} for the same input", "one of them", f"leave {name} out")
+        spelled[name] = path
         _set(changed, record, path, value, name)
     return changed
 

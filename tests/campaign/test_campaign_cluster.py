@@ -22,7 +22,7 @@ case = "wheelset-tangent"
 size_scale = 8
 [vary]
 lateral_mm = [0.5, 1.0, 1.5]
-rail_inclination = [0.025, 0.03]
+inclination = [0.025, 0.03]
 """
 
 

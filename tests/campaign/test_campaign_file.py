@@ -27,34 +27,34 @@ def test_a_grid_has_all_combinations_in_the_order_written(tmp_path):
     assert campaign.keys == ("lateral_mm", "axle_load_kN")
     varied = [(row.varied["lateral_mm"], row.varied["axle_load_kN"]) for row in campaign.rows]
     assert varied == [(x, load) for x in (-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3) for load in (100, 150)]
-    assert {row.case.rail for row in campaign.rows} == {"60E1"}
-    assert [row.case.axle_load_kN for row in campaign.rows[:2]] == [100.0, 150.0]
+    assert {row.case.track.rail for row in campaign.rows} == {"60E1"}
+    assert [row.case.load.axle_load_kN for row in campaign.rows[:2]] == [100.0, 150.0]
     assert [row.number for row in campaign.rows] == list(range(1, 15))
 
 
 def test_a_range_by_step_ends_at_its_end(tmp_path):
     """A step gives the same values as the number that leads to the same end."""
-    text = 'case = "wheelset-tangent"\n[vary]\nlateral_mm = {{ from = 2, to = -1, {} }}\n'
+    text = 'case = "wheelset-tangent"\n[vary]\nposition.lateral_mm = {{ from = 2, to = -1, {} }}\n'
     by_step = read(tmp_path, text.format("step = -0.5"))
     by_number = read(tmp_path, text.format("n = 7"))
     assert by_step.identity == by_number.identity
-    assert by_step.rows[-1].varied["lateral_mm"] == -1.0
+    assert by_step.rows[-1].varied["position.lateral_mm"] == -1.0
 
 
 @pytest.mark.parametrize("separator", [",", ";"])
 def test_a_table_gives_a_row_each_and_is_combined_with_lists(tmp_path, separator):
     """Lines of a CSV table are rows, each with all values of the lists; it may be named in the last table as well."""
-    table = "lateral_mm,rail\n-1.5,136RE\n\n2,60E1\n".replace(",", separator)
+    table = "lateral_mm,track.rail\n-1.5,136RE\n\n2,60E1\n".replace(",", separator)
     campaign = read(
         tmp_path,
-        'case = "wheelset-tangent"\n[vary]\nrail_inclination = [0.025, 0.05]\ntable = "rows.csv"\n',
+        'case = "wheelset-tangent"\n[vary]\ninclination = [0.025, 0.05]\ntable = "rows.csv"\n',
         rows_csv=table,
     )
-    assert campaign.keys == ("lateral_mm", "rail", "rail_inclination")
+    assert campaign.keys == ("lateral_mm", "track.rail", "inclination")
     assert [tuple(row.varied.values()) for row in campaign.rows] == [
         (-1.5, "136RE", 0.025), (-1.5, "136RE", 0.05), (2, "60E1", 0.025), (2, "60E1", 0.05),
     ]  # fmt: skip
-    above = read(tmp_path, 'case = "wheelset-tangent"\ntable = "rows.csv"\n[vary]\nrail_inclination = [0.025, 0.05]\n')
+    above = read(tmp_path, 'case = "wheelset-tangent"\ntable = "rows.csv"\n[vary]\ninclination = [0.025, 0.05]\n')
     assert above.identity == campaign.identity
 
 
@@ -69,15 +69,15 @@ def test_inputs_in_us_units_vary(tmp_path):
     )
     assert us.keys == ("axle_load_kip", "lateral_in")
     assert us.rows[1].varied["axle_load_kip"] == pytest.approx(150 / 4.4482216152605)
-    assert [row.case.axle_load_kN for row in us.rows] == pytest.approx([150.0, 150.0])
+    assert [row.case.load.axle_load_kN for row in us.rows] == pytest.approx([150.0, 150.0])
     assert [row.bodies for row in us.rows] == [row.bodies for row in metric.rows]
 
 
 def test_a_case_file_is_a_base_and_inputs_inside_its_tables_vary(tmp_path):
     """A case file gives inputs; those of a body vary by its name; profiles are found beside the campaign's file."""
-    base = 'case = "wheelset-tangent"\ngauge_mm = 1602\naxle_load_kN = 120\n'
+    base = 'case = "wheelset"\n[track]\ngauge_mm = 1602\n[load]\naxle_load_kN = 120\n'
     campaign = read(tmp_path, 'case = "base.toml"\n[vary]\nlateral_mm = [0, 1]\n', base_toml=base)
-    assert [row.case.gauge_mm for row in campaign.rows] == [1602.0, 1602.0]
+    assert [row.case.track.gauge_mm for row in campaign.rows] == [1602.0, 1602.0]
     bodies = """
 case = "two-bodies"
 [[bodies]]
@@ -100,7 +100,7 @@ traction_MPa = [1.0, 0.0]
 def test_what_is_computed_together_depends_on_the_campaign_alone(tmp_path):
     """Positions of the same bodies form chunks of 12 to 48; other rows are alone; equal inputs are one identity."""
     head = 'case = "wheelset-tangent"\n[vary]\n'
-    many = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 386 }\nrail_inclination = [0.025, 0.05]\n")
+    many = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 386 }\ninclination = [0.025, 0.05]\n")
     assert [len(rows) for _, rows in many.chunks] == [48] * 8 + [2] + [48] * 8 + [2]
     assert [first.number for first, _ in many.chunks] == [1] * 9 + [2] * 9
     some = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 20 }\n")

@@ -19,7 +19,7 @@ from flangeway.campaign import Campaign, CampaignProgress, campaign_run, results
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.campaign_run import Outcome, RowTask, compute
 from flangeway.campaign.database import CampaignDatabase, RowResult, export_writers
-from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.cases import load_case
 from flangeway.errors import InputError
 from flangeway.report.campaign_figures import ROUGH, campaign_figures
 from flangeway.report.campaign_outputs import campaign_record, write_export
@@ -109,10 +109,10 @@ def test_tables_come_back_as_they_were_written(sweep, tmp_path, kind):
 
 def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
     """The key results.columns chooses what is exported, in its order."""
-    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nrail_inclination = [0.025]\n'
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\ninclination = [0.025]\n'
     columns = ["right_max_pressure_MPa", "vertical_mm"]
     _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
-    assert list(found.rows) == ["row", "status", "rail_inclination", *columns, "message", "warnings"]
+    assert list(found.rows) == ["row", "status", "inclination", *columns, "message", "warnings"]
     with sqlite3.connect(tmp_path / "c.sqlite") as connection:
         assert connection.execute("SELECT left_rail_position_x_mm FROM rows").fetchone()[0] is not None
 
@@ -370,10 +370,10 @@ def test_each_row_is_stored_as_it_ends(monkeypatch, tmp_path: Path) -> None:
 FILE = """
 case = "wheelset"
 [inputs]
-size_scale = 8.0
-order = 1
-rail_support = "fixed"
-patch_cells = 12
+mesh.size_scale = 8.0
+mesh.order = 1
+track.support = "fixed"
+contact.patch_cells = 12
 [vary]
 lateral_mm = [-1.0, 1.0]
 yaw_mrad = [0.0, 5.0]
@@ -396,7 +396,7 @@ def test_rows_carry_the_load_and_have_the_columns_of_both_models(spatial_sweep):
     assert set(campaign.known_columns) <= set(found.rows)
     assert list(found.patches) == list(campaign.patch_columns)
     left, right = (found.numbers(f"{side}_vertical_force_kN") for side in ("left", "right"))
-    assert np.allclose(left + right, campaign.rows[0].case.axle_load_kN, rtol=1e-7)
+    assert np.allclose(left + right, campaign.rows[0].case.load.axle_load_kN, rtol=1e-7)
     for side in ("left", "right"):
         mine = np.array(found.patches["side"]) == side
         forces = np.array(found.patches["normal_force_kN"])[mine]
@@ -438,7 +438,7 @@ def test_only_rough_pressures_are_marked(spatial_sweep, sweep, name):
 
 def test_rows_that_roll_have_their_creep_forces(tmp_path):
     """Lateral and vertical forces contain creep forces: they carry the load, and no torque is left without one."""
-    rolling = 'friction = 0.3\nspeed_km_h = 80\nrolling_theory = "fastsim"\n[vary]'
+    rolling = 'rolling = { friction = 0.3, speed_km_h = 80, theory = "fastsim" }\n[vary]'
     campaign = read(tmp_path, FILE.partition("lateral_mm =")[0].replace("[vary]", rolling) + "lateral_mm = [2.0]\n")
     first, rows = campaign.chunks[0]
     found = compute(RowTask(rows[0], first)).result
@@ -446,7 +446,7 @@ def test_rows_that_roll_have_their_creep_forces(tmp_path):
     assert set(campaign.known_columns) == set(found.values)
     assert {"row", *found.patches[0]} == set(campaign.patch_columns)
     left, right = ({name: found.values[f"{side}_{name}"] for name in LOADS} for side in ("left", "right"))
-    load = campaign.rows[0].case.axle_load_kN
+    load = campaign.rows[0].case.load.axle_load_kN
     assert left["vertical_force_kN"] + right["vertical_force_kN"] == pytest.approx(load, rel=1e-7)
     assert left["longitudinal_creep_force_kN"] == pytest.approx(-right["longitudinal_creep_force_kN"], rel=0.05)
     assert abs(left["longitudinal_creep_force_kN"]) > 0.01 * load
@@ -474,19 +474,19 @@ def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(spatial_sweep,
 def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelsets(tmp_path):
     """Position, yaw and load leave the bodies; sleepers and profiles do not; plane rows are plane wheelsets."""
     text = 'case = "wheelset"\n[vary]\n{} = {}\n'
-    rolling = text.replace("[vary]", "[inputs]\nspeed_km_h = 80\n[vary]")
-    assert len(read(tmp_path, rolling.format("friction", "[0.2, 0.4]")).chunks) == 1
+    rolling = text.replace("[vary]", "[inputs.rolling]\nspeed_km_h = 80\n[vary]")
+    assert len(read(tmp_path, rolling.format("rolling.friction", "[0.2, 0.4]")).chunks) == 1
     for key, values in (("lateral_mm", "[0, 1]"), ("yaw_mrad", "[0, 1]"), ("axle_load_kN", "[100, 200]")):
         assert len(read(tmp_path, text.format(key, values)).chunks) == 1
     for key, values in (
-        ("wheel_section", '["rim", "whole"]'),
-        ("sleeper_position", "[0, 0.5]"),
+        ("section", '["rim", "whole"]'),
+        ("support.position", "[0, 0.5]"),
         ("rail", '["60E1", "136RE"]'),
     ):
         assert len(read(tmp_path, text.format(key, values)).chunks) == 2
-    both = read(tmp_path, text.format("model", '["plane", "spatial"]'))
+    both = read(tmp_path, text.format("contact", '["plane", "spatial"]'))
     plane = compute(RowTask(both.rows[0])).result
-    assert set(plane.values) == set(WheelsetTangentCase.from_values({}).columns())
+    assert set(plane.values) == set(load_case("wheelset-tangent").columns())
     assert {"left_half_width_mm", "left_semi_axes_a_mm"} <= set(both.known_columns)
 
 

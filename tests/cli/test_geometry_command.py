@@ -66,7 +66,7 @@ def test_overturning_ends_with_one(call):
 
 def test_unequal_wheels_swing_aside():
     """A left wheel that is 0.2 mm smaller moves the place of equal radii to the left by that over twice the slope."""
-    values = {"left_wheel_radius_mm": 474.4, "wheel_radius_mm": 474.6, "wheel_radius_at": "tape-line", "step_mm": 0.1}
+    values = {"left.radius_mm": 474.4, "radius_mm": 474.6, "radius_at": "tape-line", "step_mm": 0.1}
     found = find_geometry_case("wheelset-tangent", values).geometry().locus(np.linspace(-8.0, 0.0, 81), roll=False)
     assert found.rolling_radius_difference_mm[-1] == pytest.approx(0.2, abs=1e-6)
     at = np.interp(0.0, found.rolling_radius_difference_mm, found.lateral_mm)
@@ -77,16 +77,16 @@ def test_the_geometry_of_the_main_job_has_its_inputs(tmp_path):
     """A file of the wheelset in three dimensions gives the same track, wheels and load; what has no effect is named."""
     file = tmp_path / "c.toml"
     file.write_text(
-        'case = "wheelset"\ngauge_mm = 1433.0\nspeed_km_h = 80.0\ncurve_radius_m = 500.0\nsuperelevation_mm = 60.0\n'
-        "yaw_mrad = 2.0\nfriction = 0.3\nsleeper_spacing_mm = 650.0\n",
+        'case = "wheelset"\nposition.yaw_mrad = 2.0\nrolling.friction = 0.3\n[track]\ngauge_mm = 1433.0\n'
+        "support.spacing_mm = 650.0\n[load.curve]\nspeed_km_h = 80.0\nradius_m = 500.0\nsuperelevation_mm = 60.0\n",
         encoding="utf-8",
     )
     case, notices = read_geometry_case(file, {})
     main = read_case(file)
-    assert notices == ("not used by the geometry: friction, sleeper_spacing_mm",)
-    assert case.load() == main.load()
-    assert (case.rail, case.wheel, case.back_to_back_mm, case.yaw_mrad) == ("60E1", "S1002", main.back_to_back_mm, 2.0)
-    assert find_geometry_case("wheelset", {}).load() == load_case("wheelset").load()
+    assert notices == ("not used by the geometry: rolling",)
+    assert (case.load, case.track, case.wheels) == (main.load, main.track, main.wheels)
+    assert case.position.yaw_mrad == 2.0
+    assert find_geometry_case("wheelset", {}).load == load_case("wheelset").load
 
 
 def test_without_roll_the_tread_of_1_20_is_its_conicity():

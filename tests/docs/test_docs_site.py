@@ -254,7 +254,7 @@ def test_commands_on_case_files(call, tmp_path):
     assert (tmp_path / "s.json").read_text(encoding="utf-8") == out
     (tmp_path / "elsewhere").mkdir()
     assert call("profile", "S1002", "--to", "elsewhere/mine.whl", "--no-pictures")[0] == 0
-    own = 'case = "wheelset-tangent"\nwheel = "mine.whl"\nwheel_body = "S1002"\n'
+    own = 'case = "wheelset"\n[wheelset]\nwheel = { file = "mine.whl", body = "S1002" }\n'
     (tmp_path / "elsewhere" / "own.toml").write_text(own, encoding="utf-8")
     assert call("check", "elsewhere/own.toml")[0] == 0
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases import load_case
 
 
 @pytest.fixture(scope="session")
 def runs():
     """Solved cases by method."""
     return {
-        method: WheelsetTangentCase.from_values({"method": method, "size_scale": 3.0}).run()
+        method: load_case("wheelset-tangent", method=method, size_scale=3.0).run()
         for method in ("fem", "vem")
     }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases import load_case
 from flangeway.elements import Virtual
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
@@ -59,7 +59,7 @@ def test_cells_and_values_come_back(runs, tmp_path):
 
 def test_pressures_along_the_surface_carry_the_load(tmp_path):
     """Integrated along the lines, pressures are the contact forces; gaps close there; the surface lies on its body."""
-    run = WheelsetTangentCase.from_values({"size_scale": 3.0, "primary": "wheel"}).run()
+    run = load_case("wheelset-tangent", size_scale=3.0, primary="wheel").run()
     result = run.result
     write_contacts(tmp_path / "a.vtu", result.model.system, result.equilibrium.state, result.placements)
     read = meshio.read(tmp_path / "a.vtu")
@@ -69,7 +69,7 @@ def test_pressures_along_the_surface_carry_the_load(tmp_path):
     for side in SIDES:
         name = f"rail-{side}"
         mine = bodies == list(result.placements).index(name)
-        force = (pressures[lines[mine]].mean(axis=1) * lengths[mine]).sum() * result.model.problem.thickness_mm
+        force = (pressures[lines[mine]].mean(axis=1) * lengths[mine]).sum() * result.model.problem.plane.thickness_mm
         assert force == pytest.approx(np.linalg.norm(result.force_on_wheel_N(side)), rel=0.02)
         mesh = result.model.parts[name].body.mesh.placed(result.placements[name])
         apart = np.linalg.norm(mesh.points[:, None] - read.points[lines[mine][:, 0], :2], axis=2).min(axis=0)

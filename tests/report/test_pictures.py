@@ -99,7 +99,7 @@ def test_the_area_of_the_pressures_is_the_force(runs):
         (patch,) = (patch for patch in run.patches if patch.side == side)
         x, y = axes.patches[-1].get_xy()[:-1].T
         area = abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
-        force = area * highest / ORDINATE_MM * run.problem.thickness_mm
+        force = area * highest / ORDINATE_MM * run.problem.plane.thickness_mm
         # without half of an element at both ends
         assert force == pytest.approx(patch.normal_force_N, rel=0.2)
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import interp1d
 
-from flangeway.cases import CASES
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases import load_case
+from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
@@ -45,7 +45,7 @@ FILES = {
 @pytest.fixture(scope="module")
 def run():
     """A flange that is pressed to its rail: one patch on the left, two on the right, ahead of the axle by the yaw."""
-    return CASES["wheelset"].from_values(INPUTS).run()
+    return load_case("wheelset", **INPUTS).run()
 
 
 @pytest.fixture(scope="module")

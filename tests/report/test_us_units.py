@@ -25,15 +25,12 @@ from flangeway.units import us_key, us_unit
 
 INPUTS = {
     "wheelset": {
-        "friction": 0.3,
-        "rolling_theory": "fastsim",
-        "curve_radius_m": 600.0,
-        "speed_km_h": 50.0,
-        "size_scale": 6.0,
-        "order": 1,
-        "patch_cells": 10,
-        "rail_support": "continuous",
-        "axle": "rigid",
+        "rolling": {"friction": 0.3, "theory": "fastsim"},
+        "load": {"curve": {"radius_m": 600.0, "speed_km_h": 50.0}},
+        "mesh": {"size_scale": 6.0, "order": 1},
+        "contact": {"patch_cells": 10},
+        "track": {"support": "continuous"},
+        "wheelset": {"axle": "rigid"},
     },
     "wheelset-tangent": {
         "axle_load_kN": 350.0,

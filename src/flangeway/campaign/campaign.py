@@ -15,7 +15,7 @@ from pydantic import Field, create_model
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import CASE_FILES, bodies_key, case_content, hash_of, is_case_file, read_case, resolved
 from flangeway.errors import InputError, located, short
-from flangeway.records import GivenText, Record, flattened, require_known
+from flangeway.records import GivenText, Record, flattened, path_by_ending, require_known
 from flangeway.system.file_content import TomlFile, TomlKind, csv_table, path_of
 from flangeway.system.output_folder import versions
 from flangeway.units import Units, metric_key
@@ -418,7 +418,7 @@ def _read(case: RunnableCase, key: str, value: Any) -> Any:
     if not isinstance(value, str):
         return value
     entry: Any = case
-    for name in key.split("."):
+    for name in path_by_ending(type(case), key):
         if isinstance(entry, list | tuple):
             known = {str(number): item for number, item in enumerate(entry, 1)}
             entry = (known | {getattr(item, "name", None): item for item in entry}).get(name)
