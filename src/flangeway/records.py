@@ -321,7 +321,7 @@ def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
         for limit in (*field.metadata, *_metadata(field.annotation))
         if isinstance(limit, kind)
     ]
-    return " or ".join(dict.fromkeys(_words(field.annotation, " ".join(bounds))))
+    return " or ".join(dict.fromkeys(_words(field.annotation, " ".join(dict.fromkeys(bounds)))))
 
 
 def _metadata(annotation: Any) -> list[Any]:
@@ -341,7 +341,8 @@ def _words(annotation: Any, bounds: str = "") -> list[str]:
         elif kind in PLAIN_TYPES:
             words.append(PLAIN_TYPES[kind].format(bounds).strip())
         elif origin is tuple:
-            words.append(f"[{', '.join(' or '.join(_words(member, bounds)) for member in members)}]")
+            items = [" or ".join(_words(member, bounds)) for member in members if member is not ...]
+            words.append(f"a list of {items[0]}" if members[-1] is ... else f"[{', '.join(items)}]")
         elif members == (str,):
             words.append("a list of names")
         elif origin in (list, dict):
@@ -444,6 +445,8 @@ def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
 def _text(value: object) -> str:
     if value is None or isinstance(value, bool):
         return "none" if value is None else str(value).lower()
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
@@ -568,7 +571,7 @@ def _set(table: Any, record: type[Record] | None, path: list[str], value: Any, n
         elif isinstance(there, str):  # a kind by its name, or what a table needs alone
             needed = next((key for kind in kinds for key, one in kind.model_fields.items() if one.is_required()), TAG)
             there = {TAG if there in map(kind_of, kinds) else needed: there}
-        known[item] = dict(there or {})
+        known[item] = dict(there) if isinstance(there, Mapping) else {}
     if item not in known or not inner:
         raise InputError(
             f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
@@ -651,7 +654,7 @@ def _input_error(
 
 def _is_of_another_type(error: Any, field: FieldInfo | None, given: Any) -> bool:
     """Whether a plain type refuses a table, or a table's type a plain value, where the other one is allowed."""
-    if field is None or not records_in(field.annotation) or error["type"] == "missing":
+    if field is None or not records_in(field.annotation) or error["type"] in ("missing", "value_error"):
         return False
     of_record = error["type"] in ("model_type", "union_tag_invalid", "union_tag_not_found", "model_attributes_type")
     return isinstance(given, Mapping) != of_record and isinstance(given, Mapping)

@@ -8,7 +8,4 @@ from flangeway.cases import load_case
 @pytest.fixture(scope="session")
 def runs():
     """Solved cases by method."""
-    return {
-        method: load_case("wheelset-tangent", method=method, size_scale=3.0).run()
-        for method in ("fem", "vem")
-    }
+    return {method: load_case("wheelset-tangent", method=method, size_scale=3.0).run() for method in ("fem", "vem")}

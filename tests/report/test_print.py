@@ -104,7 +104,11 @@ FILES = {
     "sweep.toml": 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nlateral_mm = [-1, 0, 1]\n',
     "line.toml": DAMAGE,
 }
-ROLLS = {"rolling.friction": 0.3, "load.curve": "{ radius_m = 500, speed_km_h = 80, superelevation_mm = 60 }", "size_scale": 6}
+ROLLS = {
+    "rolling.friction": 0.3,
+    "load.curve": "{ radius_m = 500, speed_km_h = 80, superelevation_mm = 60 }",
+    "size_scale": 6,
+}
 
 
 @pytest.mark.parametrize(

@@ -210,13 +210,13 @@ def creep_table(
 ) -> bool:
     """Tabulate creep forces for multibody programs: npz, CSV, FMU, errors and report (out/creep-table-CASE)."""
     from flangeway.cases.case_file import read_case  # noqa: PLC0415
-    from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
+    from flangeway.cases.wheelset.wheelset_case import Wheelset  # noqa: PLC0415
     from flangeway.report.creep_table_page import creep_table_record  # noqa: PLC0415
     from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
     from flangeway.tables.table_outputs import refuse_without_compiler, table_writers  # noqa: PLC0415
 
     wanted = read_case(case, settings_of(set_, "a wrong key lists the right ones"))
-    if not isinstance(wanted, SpatialWheelsetCase):
+    if not isinstance(wanted, Wheelset):
         raise InputError(f"a table of {wanted.name}", "a case wheelset", "give wheelset, or a case file of one")
     axes = values_of(lateral, "--lateral"), values_of(yaw, "--yaw"), values_of(load, "--load")
     request = TableRequest(wanted, *axes, tolerance)

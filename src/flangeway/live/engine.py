@@ -36,6 +36,7 @@ from flangeway.railway.profiles.profile_file import READABLE, read_profile
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.track.wheelset_problem import Spatial
 from flangeway.records import TAG, GivenText, Record, allowed, are_tables, default_text, records_in, with_settings
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
@@ -114,6 +115,8 @@ class LiveEngine:
         """
         groups: dict[str, list[tuple[str, ...]]] = {caption: [] for caption in GROUPS.values()}
         for path, entry in shown_inputs(Wheelset):
+            if path[0] == "contact" and path[-1] not in Spatial.model_fields:  # the page shows three dimensions
+                continue
             unit = us_key(path[-1]) if self.units == "us" else None
             name = ".".join((*path[:-1], unit.name if unit else path[-1]))
             row = name, default_text(entry, unit), allowed(entry, unit), entry.description or "", ".".join(path)
@@ -212,7 +215,8 @@ class LiveEngine:
         campaign = toml_text({"case": case.name, "inputs": at_all}) + f"\n[vary]\n{LATERAL_POSITIONS}\n"
         texts = {"case": write_case_file(case), "command": command_line(case), "campaign": campaign}
         for name, path in self.files.items():  # beside the files of the user, by their names
-            texts = {what: text.replace(str(path), name) for what, text in texts.items()}
+            for given in (os.path.relpath(path), str(path)):
+                texts = {what: text.replace(given, name) for what, text in texts.items()}
         return texts
 
     def cancel(self) -> None:
@@ -248,15 +252,18 @@ class LiveEngine:
 
 
 def shown_inputs(record: type[Record], above: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], FieldInfo]]:
-    """Yield the inputs of the form with their paths: plain ones, and of tables of several kinds the kind as well."""
+    """Yield the inputs of the form with their paths: plain ones, and of tables of several kinds the kind as well.
+
+    Of a table in place of a plain value, such as a file with its options, what it needs is left out: this is the value.
+    """
     for key, entry in record.described_fields().items():
-        kinds = records_in(entry.annotation) if are_tables(entry.annotation) else []
-        if key not in (TAG, *OF_REPORT) and len(kinds) != 1:
+        kinds, is_table = records_in(entry.annotation), are_tables(entry.annotation)
+        if key not in (TAG, *OF_REPORT) and not (is_table and len(kinds) == 1):
             yield (*above, key), entry
         seen: dict[tuple[str, ...], FieldInfo] = {}
         for kind in kinds:
             for path, inner in shown_inputs(kind, (*above, key)):
-                if seen.setdefault(path, inner) is inner:
+                if seen.setdefault(path, inner) is inner and (is_table or not inner.is_required()):
                     yield path, inner
 
 

@@ -1,5 +1,5 @@
 "use strict";
-// State: inputs of the form by key, rigid contact of the pair (and of one to compare with), the last elastic position.
+// State: inputs of the form by path, rigid contact of the pair (and of one to compare with), the last elastic position.
 const $ = id => document.getElementById(id);
 const state = { inputs: {}, lateral: 0, yaw: 0, free: false, rigid: null, other: null, elastic: null, sweep: [],
   number: 0, frames: [], readings: {} };
@@ -13,45 +13,58 @@ async function ask(name, body) {
 }
 
 // ---- inputs -------------------------------------------------------------------------------------------------------
-// what the page has elsewhere or cannot show, and a table of friction, which is no profile to drop
-const OUTSIDE = ["lateral_mm", "yaw_mrad", "wheel", "rail", "units", "model", "friction_file", "distance_m",
-  "wheel_unit", "wheel_mirror", "wheel_tape_mm", "rail_unit", "rail_mirror"];
+const PATHS = { wheel: "wheelset.wheel", rail: "track.rail" }, LATERAL = "position.lateral_mm", YAW = "position.yaw_mrad";
+const READ_OPTIONS = ["mirror", "unit", "tape_mm"];  // by which the case reads a dropped file too
+// what the page has elsewhere, and a place in a table of friction, which is no profile to drop
+const OUTSIDE = [...Object.values(PATHS).flatMap(path => [path, ...READ_OPTIONS.map(name => `${path}.${name}`)]), LATERAL, YAW,
+  "rolling.friction.distance_m"];
 
 function inputsNow(changes = {}) {
-  const inputs = { ...state.inputs, wheel: $("wheel").value, rail: $("rail").value, ...changes };
-  if (state.yaw) inputs.yaw_mrad = String(state.yaw);
-  if (!state.free && !("lateral_mm" in changes)) inputs.lateral_mm = String(state.lateral);
+  const inputs = { ...state.inputs, [PATHS.wheel]: $("wheel").value, [PATHS.rail]: $("rail").value, ...changes };
+  if (state.yaw) inputs[YAW] = String(state.yaw);
+  if (!state.free && !(LATERAL in changes)) inputs[LATERAL] = String(state.lateral);
   return inputs;
 }
 
+// a group for each table, and in it one for each table inside; names are those of the input in its group
 function makeForm(form) {
   for (const [caption, rows] of form.groups) {
-    const shown = rows.filter(row => !OUTSIDE.includes(row[4]));
-    if (!shown.length) continue;
-    const group = document.createElement("details"), grid = document.createElement("div");
-    group.innerHTML = "<summary></summary>";
-    group.firstChild.textContent = caption || "Report";
-    group.open = caption === "Load and curve";
-    grid.className = "grid";
-    for (const [key, initial, allowed, meaning] of shown) {
-      const label = document.createElement("label"), words = allowed.split(" or ");
-      const choice = words.length > 1 && words.every(word => /^[a-z][\w.-]*$/i.test(word));
-      const input = document.createElement(choice ? "select" : "input");
-      if (choice) for (const word of new Set([initial, ...words])) input.add(new Option(word, word === initial ? "" : word));
-      else input.placeholder = initial;
-      input.id = `input-${key}`;
-      label.title = `${meaning}; ${allowed}`;
-      label.append(key, input);
-      input.addEventListener("change", () => {
-        if (input.value.trim()) state.inputs[key] = input.value; else delete state.inputs[key];
-        input.classList.toggle("changed", Boolean(input.value.trim()));
-        loadGeometry();
-      });
-      grid.append(label);
+    const shown = rows.filter(row => !OUTSIDE.includes(row[4])), groups = new Map();
+    const groupOf = (name, words, above) => {
+      const group = element("details"), grid = element("div");
+      group.append(element("summary", words), grid);
+      group.open = caption === "Load and curve";
+      grid.className = "grid";
+      groups.set(name, grid);
+      above.append(group);
+    };
+    if (shown.length) groupOf("", caption, $("form"));
+    for (const row of shown) {
+      const [, table, inner] = row[4].split(".");
+      if (inner && !groups.has(table)) groupOf(table, table, groups.get("").parentNode);
     }
-    group.append(grid);
-    $("form").append(group);
+    for (const row of shown) {
+      const [, ...names] = row[0].split("."), inside = groups.has(names[0]);
+      groups.get(inside ? names[0] : "").append(field(row, inside && names.length > 1 ? names.slice(1) : names));
+    }
   }
+}
+
+function field([path, initial, allowed, meaning], names) {
+  const label = element("label", names.join(".")), words = allowed.split(" or ");
+  const choice = words.length > 1 && words.every(word => /^[a-z][\w.-]*$/i.test(word));
+  const input = element(choice ? "select" : "input");
+  if (choice) for (const word of new Set([initial, ...words])) input.add(new Option(word, word === initial ? "" : word));
+  else input.placeholder = initial;
+  input.id = `input-${path}`;
+  label.title = `${meaning}; ${allowed}`;
+  label.append(input);
+  input.addEventListener("change", () => {
+    if (input.value.trim()) state.inputs[path] = input.value; else delete state.inputs[path];
+    input.classList.toggle("changed", Boolean(input.value.trim()));
+    loadGeometry();
+  });
+  return label;
 }
 
 function fillProfiles(form) {
@@ -87,12 +100,10 @@ async function readFile(name, content, options = {}) {
   }
 }
 
-// the options by which the case reads the file too
-const READ_OPTIONS = ["mirror", "unit", "tape_mm"];
 function readWith(kind, options) {
   for (const option of READ_OPTIONS) {
-    const key = `${kind}_${option}`;
-    if (option in options) state.inputs[key] = String(options[option]); else delete state.inputs[key];
+    const path = `${PATHS[kind]}.${option}`;
+    if (option in options) state.inputs[path] = String(options[option]); else delete state.inputs[path];
   }
 }
 
@@ -159,11 +170,10 @@ async function geometries() {
     answered = asked;
     try {
       const inputs = inputsNow();
-      delete inputs.lateral_mm;
+      delete inputs[LATERAL];
       const rigid = await ask("geometry", inputs);
-      const second = { wheel: $("other-wheel").value, rail: $("other-rail").value };
-      const changed = Object.fromEntries(Object.entries(second).filter(([, value]) => value));
-      const other = Object.keys(changed).length ? await ask("geometry", { ...inputs, ...changed }) : null;
+      const changed = Object.keys(PATHS).filter(kind => $(`other-${kind}`).value);
+      const other = changed.length ? await ask("geometry", comparedWith(inputs, changed)) : null;
       Object.assign(state, { rigid, other, sweep: [] });
       const low = rigid.lateral[0], high = rigid.lateral.at(-1);
       Object.assign($("lateral"), { min: low, max: high });
@@ -175,6 +185,16 @@ async function geometries() {
       if (answered === asked) failed(error);
     }
   }
+}
+
+// the same inputs with the other profiles, without the options of the files in their place
+function comparedWith(inputs, kinds) {
+  const second = { ...inputs };
+  for (const kind of kinds) {
+    for (const path of Object.keys(second)) if (path.startsWith(`${PATHS[kind]}.`)) delete second[path];
+    second[PATHS[kind]] = $(`other-${kind}`).value;
+  }
+  return second;
 }
 
 // linear interpolation of a table over the lateral position
@@ -506,7 +526,7 @@ async function sweep(goesOn) {
     $("progress").hidden = false;
     $("progress").value = k / n;
     try {
-      const found = await ask("position", inputsNow({ lateral_mm: String(lateral) }));
+      const found = await ask("position", inputsNow({ [LATERAL]: String(lateral) }));
       if (found.converged) points.push(found);
     } catch (error) { if (error.status === 409) break; }
     drawCurves();

@@ -222,6 +222,13 @@ class WheelsetProblem(WheelsetOnTrack):
                     "one speed: rolling.speed_km_h on straight track, load.curve.speed_km_h in a curve",
                     "give one of them",
                 )
+            for name in ("torque_kNm", "yaw_stiffness_kNm_per_mrad"):
+                if getattr(self.rolling, name) and self._has_no_friction:
+                    raise refused_by_check(
+                        f"rolling.{name} = {getattr(self.rolling, name):g} with rolling.friction = 0",
+                        "friction above 0, which bears it",
+                        f"leave {name} out, or give friction",
+                    )
         _ = self.forces
         return self
 
@@ -246,6 +253,12 @@ class WheelsetProblem(WheelsetOnTrack):
     def patch_cells(self) -> int:
         """Cells across each contact patch, and along it."""
         return self.contact.patch_cells if isinstance(self.contact, Spatial) else PATCH_CELLS
+
+    @property
+    def _has_no_friction(self) -> bool:
+        """Whether the inputs say so: the file of friction along the track is not read for it."""
+        rolls = self.rolling is not None and self.rolling.friction != 0.0
+        return not rolls and not any(self.track.side(side).friction for side in SIDES)
 
     @property
     def friction(self) -> RollingMotion | None:
