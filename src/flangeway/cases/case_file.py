@@ -1,6 +1,7 @@
 """The cases by name and in TOML files: reading them, their identity, and files to begin with."""
 
 import hashlib
+import importlib
 import itertools
 import json
 import math
@@ -362,6 +363,70 @@ def write_case_file(case: RunnableCase) -> str:
     Names of files are as given, in tables relative to the current folder; a case file reads them from its own folder.
     """
     return toml_text({"flangeway": FORMAT, "case": case.name, **case.changed})
+
+
+def write_python(case: Record) -> str:
+    """Return the text of a Python script that makes a case again: ``case = `` constructors with all that is no default.
+
+    Names of files are as given.
+
+    Raises
+    ------
+    InputError
+        If an input is an object of a script, which has no name.
+    """
+    kinds: dict[str, set[str]] = {}
+    text = f"case = {_python(case, '', kinds)}\n"
+    imports = list[str]()
+    for module, names in sorted(kinds.items()):
+        line = f"from {module} import {', '.join(sorted(names))}"
+        items = "".join(f"    {name},\n" for name in sorted(names))
+        imports.append(line if len(line) <= WIDTH else f"from {module} import (\n{items})")
+    return "\n".join([*imports, "", text])
+
+
+def _python(value: Any, above: str, kinds: dict[str, set[str]]) -> str:
+    """Write a value as Python, over several lines where one is too long.
+
+    - `above`: spaces before the line in which it begins.
+    - `kinds`: names that are imported by module; those of the records are added.
+    """
+    entries, ends = list[tuple[str, Any]](), "()"
+    if isinstance(value, Record):
+        kind, fields = type(value), type(value).model_fields
+        kinds.setdefault(_home(kind), set()).add(kind.__name__)
+        written = {key: getattr(value, key) for key in fields}
+        entries = [
+            (f"{key}=", entry)
+            for key, entry in written.items()
+            if fields[key].is_required() or entry != default_of(fields[key])
+        ]
+        ends = f"{kind.__name__}()"
+    elif isinstance(value, Mapping):
+        entries, ends = [(f"{_python(key, above, kinds)}: ", entry) for key, entry in value.items()], "{}"
+    elif isinstance(value, list | tuple):
+        entries, ends = [("", entry) for entry in value], "[]" if isinstance(value, list) else "()"
+    elif isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    elif value is None or isinstance(value, bool | int | float):
+        return repr(value)
+    else:
+        raise InputError(
+            f"{short(value)}, an object of a script", "names of profiles and of files", "name a file in its place"
+        )
+    items = [f"{name}{_python(entry, f'{above}    ', kinds)}" for name, entry in entries]
+    comma = "," if ends == "()" and len(items) == 1 else ""  # a tuple of one
+    line = f"{ends[:-1]}{', '.join(items)}{comma}{ends[-1]}"
+    if "\n" not in line and len(above) + len(line) <= WIDTH:
+        return line
+    lines = "".join(f"{above}    {item},\n" for item in items)
+    return f"{ends[:-1]}\n{lines}{above}{ends[-1]}"
+
+
+def _home(kind: type[Record]) -> str:
+    """Return the shortest package from which a type of records is imported, else its module."""
+    packages = itertools.accumulate(kind.__module__.split("."), "{}.{}".format)
+    return next(name for name in packages if getattr(importlib.import_module(name), kind.__name__, None) is kind)
 
 
 def toml_text(values: Mapping[str, Any]) -> str:

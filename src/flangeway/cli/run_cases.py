@@ -183,24 +183,34 @@ def init(
         str,
         typer.Argument(
             metavar="NAME",
-            help="Name of a case; `flangeway cases` lists them.",
-            autocompletion=completion(case_names),
+            help="Name of a case; `flangeway cases` lists them. With --python also a case file.",
+            autocompletion=completion(case_names, ".toml"),
         ),
     ],
     to: Annotated[
         Path | None,
-        typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", parser=path_given),
+        typer.Option(
+            "--to", metavar="FILE", help="The file; NAME.toml if left out, with --python NAME.py.", parser=path_given
+        ),
     ] = None,
     units: Units = None,
+    python: Annotated[
+        bool, typer.Option("--python", help="Write a Python script with the inputs of the case that are no defaults.")
+    ] = False,
 ) -> None:
-    """Write a case file to begin with: every key with its meaning, unit, range and default."""
+    """Write a case file to begin with: every key with its meaning, unit, range and default; or a Python script."""
     with errors_as_exit_status():
-        from flangeway.cases import find_case, write_template  # noqa: PLC0415
-        from flangeway.cases.case_file import CASE_FILES  # noqa: PLC0415
+        from flangeway.cases import find_case, load_case, write_template  # noqa: PLC0415
+        from flangeway.cases.case_file import CASE_FILES, CASES, write_python  # noqa: PLC0415
         from flangeway.system.output_folder import write_text  # noqa: PLC0415
 
         system = units_given(units) or "metric"
-        if name in CASE_FILES:
+        if python:
+            if system == "us":
+                raise InputError("--units us with --python", "scripts in metric units", "leave --units out")
+            case = CASES[name].from_values(CASES[name].example) if name in CASES else load_case(name)
+            text = f"{write_python(case)}\nprint(case.run())\n"
+        elif name in CASE_FILES:
             if system == "us":
                 raise InputError(
                     f"--units us with {name}, a file with metric keys",
@@ -210,7 +220,7 @@ def init(
             text = CASE_FILES[name].read_text(encoding="utf-8")
         else:
             text = write_template(find_case(name), system)
-        file = to or Path(f"{name}.toml")
+        file = to or (Path(f"{Path(name).stem}.py") if python else Path(f"{name}.toml"))
         if os.path.lexists(file):
             raise InputError(
                 f"file {file}, which is there already",
@@ -218,7 +228,7 @@ def init(
                 "choose another name with --to, or remove it",
             )
         write_text(file, text)
-        stdout().print(f"{file}: edit it, then flangeway run {file}", soft_wrap=True)
+        stdout().print(f"{file}: edit it, then {'python' if python else 'flangeway run'} {file}", soft_wrap=True)
 
 
 @app.command()
