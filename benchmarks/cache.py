@@ -11,13 +11,13 @@ from typing import Any
 
 from benchmarks.measurement import ITSELF, Measurement, timed
 from benchmarks.samples import sample
-from flangeway.cases import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases import Wheelset, load_case
 from flangeway.railway.wheelset.plane_wheelset import solve_wheelset
 
-CASES: dict[str, tuple[type[WheelsetCase], dict[str, Any]]] = {
-    "wheelset-tangent": (WheelsetTangentCase, {}),
-    "wheelset-curve": (WheelsetCurveCase, {}),
-    "wheelset-tangent, vem, order 2": (WheelsetTangentCase, {"method": "vem", "order": 2}),
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "wheelset-tangent": ("wheelset-tangent", {}),
+    "wheelset-curve": ("wheelset-curve", {}),
+    "wheelset-tangent, vem, order 2": ("wheelset-tangent", {"method": "vem", "order": 2}),
 }
 
 
@@ -34,12 +34,13 @@ def measurements() -> Iterator[Measurement]:
 
 def _run(name: str) -> dict[str, Any]:
     """Solve a case in this process."""
-    kind, values = CASES[name]
-    problem = kind.from_values(values).problem()
+    case, values = CASES[name]
+    problem = load_case(case, **values)
+    assert isinstance(problem, Wheelset)
     seconds, result = timed(lambda: solve_wheelset(problem))
     return {
         "seconds": seconds,
-        "load_N": problem.load.vertical_N,
+        "load_N": problem.forces.vertical_N,
         "forces_N": [float(each) for patch in result.patches for each in patch.force_on_wheel_N],
         "stages_s": result.timings_s,
     }

@@ -15,19 +15,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.wear_laws import UsfdLaw, row_wear
 from flangeway.railway.damage.worn_surface import WornSurface
 from flangeway.railway.wheelset.spatial_result import solve_spatial
+from flangeway.records import with_settings
 
 ASKED_STEP_S = 8.0
 STEP_KM = 300.0
 """Length of the step after the one on new profiles."""
 VERDICTS = {3.95: "shakedown", 4.05: "ratchetting"}
-SHARED = {"axle_load_kN": 160.0, "yaw_stiffness_kNm_per_mrad": 10.0}
+SHARED = {"load.axle_load_kN": 160.0, "rolling.yaw_stiffness_kNm_per_mrad": 10.0}
 
 
 def measurements() -> Iterator[Measurement]:
@@ -46,8 +47,8 @@ def collective() -> Collective:
     states = []
     for each in [part for state in COLLECTIVES["mixed-line"] for part in parts_of(state)]:
         name, share = each.pop("name"), each.pop("share")
-        case = SpatialWheelsetCase.from_values(SHARED | each)
-        states.append(RunningState(name, share, case.problem(), case.spatial_model()))
+        case = Wheelset.from_values(with_settings(Wheelset, {}, SHARED | each))
+        states.append(RunningState(name, share, case))
     return Collective(states)
 
 
@@ -55,10 +56,10 @@ def _step() -> Measurement:
     states, times = collective(), list[float]()
     evolution = Evolution(states, {"wheel": UsfdLaw()}, EvolutionSettings(STEP_KM))
     first, number = states.states[-1], len(states.states)
-    result = solve_spatial(first.problem, first.model)
+    result = solve_spatial(first.problem)
     errors = []
     for row in row_wear(result, {"wheel": UsfdLaw()}):
-        surface = WornSurface(first.problem.wheelset.wheel)
+        surface = WornSurface(first.problem.wheelset.wheel_of("right"))
         depth = surface.deposited(row.ends, row.areas)
         errors.append(abs(float((depth * surface.worn_lengths).sum() / row.areas.sum()) - 1.0))
     steps = evolution.run(progress=lambda _: times.append(time.process_time()))

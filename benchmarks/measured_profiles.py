@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from flangeway.cases.profile_run import run_profile
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_inputs import position_key, with_body
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError
 from flangeway.railway.profiles.formats.slice_files import SLICES
+from flangeway.railway.profiles.formats.two_column import Kind
+from flangeway.railway.profiles.named import RailFile, WheelFile, profile_of
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import sections_of
 
@@ -33,6 +34,12 @@ MEASURED = {
 AMERICAN = ("136RE", "AAR-1B", "heavy-haul")
 PARTNERS = {"rail": ("S1002", "AAR-1B"), "wheel": ("60E1", "136RE")}
 """Nominal partner of a profile on a European body, and on an American one."""
+
+PLACES: dict[Kind, tuple[type[RailFile | WheelFile], str, str]] = {
+    "rail": (RailFile, "track", "position_mm"),
+    "wheel": (WheelFile, "wheelset", "angle_deg"),
+}
+"""Record of a file with options, table of the case that names it, and its input of the section in a file of slices."""
 
 
 @dataclass(frozen=True)
@@ -67,15 +74,16 @@ def rows_of(file: Path, position: float | None, lateral_mm: Sequence[float | Non
     name = file.name if position is None else f"{file.name} at {position:g}"
     try:
         measured = run_profile(str(file), ReadOptions(position=position)).profile
-        body = with_body(measured, str(file), measured.kind).title
+        kind, table, at = PLACES[measured.kind]
+        named = kind.from_values({"file": str(file), at: position})
+        body = profile_of(named, measured.kind).title
     except InputError as reason:
         yield MeasuredRow(name, "", None, "refused", str(reason))
         return
     american = any(word in body.rpartition(" on ")[2] for word in AMERICAN)
     partner = PARTNERS[measured.kind][american]
-    values: dict[str, Any] = {measured.kind: str(file), "wheel" if measured.kind == "rail" else "rail": partner}
-    if position is not None:
-        values[position_key(measured.kind)] = position
+    other: Kind = "wheel" if measured.kind == "rail" else "rail"
+    values = {table: {measured.kind: named}, PLACES[other][1]: {other: partner}}
     yield from pair_rows(name, partner, values, lateral_mm)
 
 
@@ -84,9 +92,8 @@ def pair_rows(
 ) -> Iterator[MeasuredRow]:
     """Run a wheel and a rail in the default case, free for None, and at lateral positions."""
     for lateral in lateral_mm:
-        given = values if lateral is None else {**values, "lateral_mm": lateral}
         try:
-            run = SpatialWheelsetCase.from_values(given).run()
+            run = Wheelset.from_values({**values, "position": {"lateral_mm": lateral}}).run()
         except InputError as reason:
             yield MeasuredRow(name, partner, lateral, "refused", str(reason))
             continue
@@ -106,7 +113,7 @@ def pairs_table(folder: Path, lateral_mm: Sequence[float | None] = PAIRS_MM) -> 
     yield from ("| wheel | rail | converged at, mm | otherwise |", "|---|---|---|---|")
     for wheel in MEASURED["wheel"]:
         for rail in MEASURED["rail"]:
-            values = {"wheel": str(folder / wheel), "rail": str(folder / rail)}
+            values = {"wheelset": {"wheel": str(folder / wheel)}, "track": {"rail": str(folder / rail)}}
             yield _line(list(pair_rows(wheel, rail, values, lateral_mm)), folder)
 
 

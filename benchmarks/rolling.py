@@ -15,11 +15,12 @@ that no ratio is given. What they contain stands below the table.
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement, best_time, timed
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import fastrip, fastsim, linear_theory, polach
@@ -48,12 +49,16 @@ GRIDS = (20, 40, 80)
 N_POINTS = 12
 CLOCK = time.process_time
 ASKED_WHEELSET_S = 3.0
-WHEELSETS: dict[str, dict[str, float]] = {
+WHEELSETS: dict[str, dict[str, Any]] = {
     "in the middle of straight track": {},
-    "2 mm to the right in a curve of 800 m": {"lateral_mm": 2.0, "yaw_mrad": 1.0, "curve_radius_m": 800.0},
-    "6 mm to the left, three patches": {"lateral_mm": -6.0, "yaw_mrad": 1.0},
-    "on narrow gauge, four patches": {"gauge_mm": 1421.5, "back_to_back_mm": 1360.0},
-    "8 mm to the right, at the flange root": {"lateral_mm": 8.0},
+    "2 mm to the right in a curve of 800 m": {
+        "position": {"lateral_mm": 2.0, "yaw_mrad": 1.0},
+        "load": {"curve": {"radius_m": 800.0, "speed_km_h": 72.0}},
+        "rolling": {"friction": 0.3},
+    },
+    "6 mm to the left, three patches": {"position": {"lateral_mm": -6.0, "yaw_mrad": 1.0}},
+    "on narrow gauge, four patches": {"track": {"gauge_mm": 1421.5}, "wheelset": {"back_to_back_mm": 1360.0}},
+    "8 mm to the right, at the flange root": {"position": {"lateral_mm": 8.0}},
 }
 TRACTCURV = (
     *(1e-5, 0.0004, 0.0008, 0.0012, 0.0016, 0.002, 0.0024, 0.0028, 0.0032, 0.0036, 0.004, 0.0044, 0.0048, 0.0052),
@@ -135,15 +140,14 @@ def fast(n: int) -> Iterator[Measurement]:
         )  # fmt: skip
 
 
-def wheelsets(places: dict[str, dict[str, float]]) -> Iterator[Measurement]:
+def wheelsets(places: dict[str, dict[str, Any]]) -> Iterator[Measurement]:
     """Wheelsets by the exact theory at 72 km/h with a friction of 0.3, from their rigid positions, surfaces ready.
 
     Accuracy is the equilibrium residual.
     """
     for name, inputs in places.items():
-        case = SpatialWheelsetCase.from_values({"speed_km_h": 72.0, "friction": 0.3, **inputs})
-        problem, model = case.problem(), case.spatial_model()
-        wheelset = SpatialWheelset(problem, running_surfaces(problem, model, cache=Cache.of_user()), model)
+        case = Wheelset.from_values({"rolling": {"friction": 0.3, "speed_km_h": 72.0}} | inputs)
+        wheelset = SpatialWheelset(case, running_surfaces(case, cache=Cache.of_user()))
         _ = wheelset.start
         seconds, found = timed(wheelset.solve, CLOCK)
         assert found.state.rolled is not None

@@ -10,20 +10,20 @@ import random
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.patch.patch_grid import PatchGrid
-from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
+from flangeway.railway.track.loads import Load
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair
+from flangeway.railway.track.rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces
 from flangeway.railway.wheelset.side_newton import transferred, transferred_creep
@@ -32,6 +32,7 @@ from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.system.disk_cache import Cache
 
 COUNT, QUICK_COUNT, SEED = 600, 6, 29
+SPEED_m_s = 15.0
 SMALL_FORCES_KN = (0.0, 0.1, 1.0)
 """Drawn in a quarter of all: the wheelset hardly moves from the middle of the track."""
 REFUSED = ("derail", "overturn", "the other wheel lifts", "no position holds")
@@ -60,23 +61,28 @@ class Combination:
     @property
     def wheelset(self) -> SpatialWheelset:
         """The wheelset with its running surfaces."""
-        keys = ("axle_load_kN", "lateral_force_kN", "wheel", "rail")
-        values = {key: getattr(self, key) for key in keys} | {"rail_inclination": self.inclination}
-        case = SpatialWheelsetCase.from_values(values)
-        model, motion = case.spatial_model(), None
+        motion = None
         if self.friction:
-            stiffness = None if self.yaw_stiffness is None else 1e6 * self.yaw_stiffness
+            turning = 0.0 if self.curve_radius_m is None else 1e3 * SPEED_m_s / self.curve_radius_m
             motion = RollingMotion(
-                15.0, Friction(self.friction), curve_radius_m=self.curve_radius_m, yaw_stiffness_Nm_per_rad=stiffness
+                friction=self.friction,
+                speed_km_h=3.6 * SPEED_m_s,
+                yaw_rate_mrad_per_s=turning,
+                yaw_stiffness_kNm_per_mrad=self.yaw_stiffness,
             )
-        model = replace(model, rolling=motion)
-        return SpatialWheelset(case.problem(), _surfaces(self.wheel, self.rail, self.inclination), model)
+        case = _case(self.wheel, self.rail, self.inclination).replaced(
+            load=Load(axle_load_kN=self.axle_load_kN, lateral_force_kN=self.lateral_force_kN), rolling=motion
+        )
+        return SpatialWheelset(case, _surfaces(self.wheel, self.rail, self.inclination))
+
+
+def _case(wheel: str, rail: str, inclination: float) -> Wheelset:
+    return Wheelset(track=Track(rail=rail, inclination=inclination), wheelset=WheelPair(wheel=wheel))
 
 
 @lru_cache(maxsize=64)
 def _surfaces(wheel: str, rail: str, inclination: float) -> dict[Side, SideSurfaces]:
-    case = SpatialWheelsetCase.from_values({"wheel": wheel, "rail": rail, "rail_inclination": inclination})
-    return running_surfaces(case.problem(), case.spatial_model(), cache=Cache.of_user())
+    return running_surfaces(_case(wheel, rail, inclination), cache=Cache.of_user())
 
 
 def combinations(count: int = COUNT) -> list[Combination]:
@@ -127,7 +133,7 @@ def stand(one: Combination) -> dict[str, Any]:
 def checks(result: SpatialResult) -> dict[str, float]:
     """Sum of the cells' forces and the load, over the load; overlap outside of the patches; least force of a cell."""
     state, problem = result.equilibrium.state, result.problem
-    along, onto = problem.load.in_track
+    along, onto = problem.forces.in_track
     total, overlap, least = np.array([along, -onto]), 0.0, 0.0
     for side in SIDES:
         one = state.sides[side]
@@ -137,7 +143,7 @@ def checks(result: SpatialResult) -> dict[str, float]:
         total = total + on_wheel * (SIDE_SIGN[side], 1.0)
         overlap = max(overlap, _overlap(one))
         least = min(least, float(one.forces.min()))
-    held = [value is not None for value in problem.prescribed.components[:2]]
+    held = [value is not None for value in problem.position.components[:2]]
     return {"force": float(np.abs(np.where(held, 0.0, total)).max()) / onto, "overlap_mm": overlap, "least_N": least}
 
 

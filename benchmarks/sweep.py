@@ -20,9 +20,8 @@ import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement
 from benchmarks.worn import worn_pair
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases import Wheelset, load_case
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
-from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
@@ -45,15 +44,14 @@ MAX_FORCE_N, FARTHEST_MM, ENERGY_STEP_MM = 60e3, 12.0, 0.25
 
 def wheelset_of(values: dict[str, Any]) -> SpatialWheelset:
     """Wheelset of a case with its running surfaces."""
-    case = SpatialWheelsetCase.from_values(values)
-    problem, model = case.problem(), case.spatial_model()
-    return SpatialWheelset(problem, running_surfaces(problem, model, cache=Cache.of_user()), model)
+    case = load_case("wheelset", **values)
+    assert isinstance(case, Wheelset)
+    return SpatialWheelset(case, running_surfaces(case, cache=Cache.of_user()))
 
 
 def moved_to(wheelset: SpatialWheelset, lateral_mm: float) -> SpatialResult:
     """The wheelset at a lateral position."""
-    problem, model = wheelset.problem, wheelset.model
-    return solve_position(wheelset.at(problem.load, Prescribed(lateral_mm), model.yaw_rad, model.rolling), {})
+    return solve_position(wheelset.at(wheelset.problem.replaced(position={"lateral_mm": lateral_mm})), {})
 
 
 def noise(values: Floats) -> Floats:
@@ -107,8 +105,9 @@ def energy_of(result: SpatialResult) -> float:
     """Elastic energy of wheels and rails and potential energy of the load, N mm."""
     equilibrium: Equilibrium[SpatialState] = result.equilibrium
     elastic = sum(each.grid.elastic_energy(each.forces) for each in equilibrium.state.sides.values())
-    (along, onto), (x, y, roll) = result.problem.load.in_track, equilibrium.position.components
-    height = result.problem.wheelset.centre_of_gravity_height_mm
+    forces = result.problem.forces
+    (along, onto), (x, y, roll) = forces.in_track, equilibrium.position.components
+    height = forces.height_mm
     return elastic + float(onto * (y + height * np.cos(roll)) - along * (x - height * np.sin(roll)))
 
 

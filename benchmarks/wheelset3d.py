@@ -23,15 +23,14 @@ from benchmarks.samples import resident_mb, sample
 from benchmarks.spatial import contact_of
 from benchmarks.sweep import wheelset_of
 from benchmarks.worn import worn_pair
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.cases import load_case
 from flangeway.report.case_outputs import write_case
 from flangeway.types import Floats
 
 ASKED_COLD_S, ASKED_WARM_S, ASKED_MB = 25.0, 3.0, 2048.0
 FURTHER: dict[str, tuple[dict[str, Any], float]] = {
     "without friction": ({}, 0.15),
-    "with friction": ({"friction": 0.3, "speed_km_h": 72.0}, 0.4),
+    "with friction": ({"rolling.friction": 0.3, "rolling.speed_km_h": 72.0}, 0.4),
 }
 """Inputs of the wheelset that is moved, and the seconds that are asked."""
 PLACES: dict[str, tuple[tuple[float, float], int]] = {
@@ -87,7 +86,7 @@ def _first_runs(model: str) -> Iterator[Measurement]:
 
 def _run(model: str, start: float, folder: Path) -> dict[str, Any]:
     """Run the case in this process, which began at a time."""
-    done = SpatialWheelsetCase.from_values({"model": model}).run()
+    done = load_case("wheelset", contact=model).run()
     numbers = time.time() - start
     write_case(done, folder)
     return {
@@ -104,7 +103,7 @@ def _positions(laterals: Floats, name: str, inputs: dict[str, Any], asked_s: flo
     _ = wheelset.geometry.limits(float(np.abs(laterals).max()))
     times, errors, missing = [], [], 0
     for lateral in laterals.tolist():
-        moved = wheelset.at(wheelset.problem.load, Prescribed(lateral), wheelset.model.yaw_rad, wheelset.model.rolling)
+        moved = wheelset.at(wheelset.problem.replaced(position={"lateral_mm": lateral}))
         seconds, found = timed(moved.solve, time.process_time)
         times.append(seconds)
         missing += not found.status.converged

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.measurement import ITSELF, Measurement
-from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases import Wheelset, load_case
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
 
@@ -34,15 +34,15 @@ def quick() -> Iterator[Measurement]:
 
 def _measured(size_scale: float, n_loads: int) -> Iterator[Measurement]:
     for (track, method), searched in SEARCHED_S.items():
-        case = WheelsetTangentCase if track == "tangent" else WheelsetCurveCase
-        problem = case.from_values({"method": method, "size_scale": size_scale}).problem()
+        problem = load_case(f"wheelset-{track}", method=method, size_scale=size_scale)
+        assert isinstance(problem, Wheelset)
         wheelset = PlaneWheelset.of(build_model(problem))
         found = wheelset.equilibrium()
         seconds, iterations, residual = [], [], 0.0
         for factor in np.linspace(1.0, GROWTH, n_loads + 1)[1:].tolist():
             load = problem.load
-            load = replace(load, vertical_N=factor * load.vertical_N, lateral_N=factor * load.lateral_N)
-            model = replace(wheelset.model, problem=replace(problem, load=load))
+            changes = {key: factor * getattr(load, key) for key in ("axle_load_kN", "lateral_force_kN")}
+            model = replace(wheelset.model, problem=problem.replaced(load=changes))
             start = time.process_time()
             found = replace(wheelset, model=model).equilibrium(found)
             seconds.append(time.process_time() - start)

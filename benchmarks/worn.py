@@ -16,12 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measurement import ITSELF, Measurement, timed
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases import load_case
 from flangeway.cases.rigid_run import GeometryRun, find_geometry_case, run_geometry
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
+from flangeway.railway.track.placements import Track, WheelPair, WheelsetPosition
 
 Floats = NDArray[np.float64]
 
@@ -33,20 +32,22 @@ SPACING_MM = 0.25
 
 def worn_pair(folder: Path) -> dict[str, str]:
     """Write MiniProf files of a worn wheel and a worn rail; return the inputs that name them."""
-    profile, wheelset = rail(), Wheelset(wheel())
+    profile, tread = rail(), wheel()
+    # where they were placed when the files were first made
+    wheels = WheelPair(wheel=tread, back_to_back_mm=1515.0, radius_mm=500.0, radius_at="flange-tip")
     top = np.array([0.0, profile.outline.bounds()[1, 1]])
     head = profile.running_surface.sampled(spacing=SPACING_MM) - top
     depth = 0.8 * np.exp(-(((head[:, 0] + 30.0) / 6.0) ** 2)) + 0.2 * np.exp(-((head[:, 0] / 20.0) ** 2))
     head = head + _across(head) * (depth * (head[:, 1] > -20.0))[:, None]
-    tread = _hollow(
-        wheelset.wheel.running_surface.sampled(spacing=SPACING_MM),
+    hollow = _hollow(
+        tread.running_surface.sampled(spacing=SPACING_MM),
         head + top,
-        wheelset,
-        Track(profile, gauge_at="narrowest"),
+        wheels,
+        Track(rail=profile, gauge_mm=1600.0, gauge_at="narrowest"),
     )
     texts = {
         "rail": write_miniprof(_noisy(head, 12), "rail", "worn"),
-        "wheel": write_miniprof(_noisy(tread, 22), "wheel", "worn", wheelset.wheel.flange_back_mm),
+        "wheel": write_miniprof(_noisy(hollow, 22), "wheel", "worn", tread.flange_back_mm),
     }
     files = {"rail": folder / "worn.ban", "wheel": folder / "worn.whl"}
     for kind, text in texts.items():
@@ -54,13 +55,13 @@ def worn_pair(folder: Path) -> dict[str, str]:
     return {kind: str(file) for kind, file in files.items()}
 
 
-def _hollow(points: Floats, head: Floats, wheelset: Wheelset, track: Track) -> Floats:
+def _hollow(points: Floats, head: Floats, wheels: WheelPair, track: Track) -> Floats:
     """A running surface into which the rail has worn its shape."""
     on_track = track.placement("right").points(head)
     height = points[:, 1].copy()
     reached = (points[:, 0] > -40.0) & (points[:, 0] < 55.0)
     for lateral in LATERALS_MM:
-        at = WheelsetPosition(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
+        at = WheelsetPosition(lateral, 0.0, 0.0).placement(wheels, "right").inverse().points(on_track)
         at = at[np.argsort(at[:, 0])]
         below = np.interp(points[:, 0], at[:, 0], at[:, 1])
         height = np.where(reached, np.maximum(height, below + (points[:, 1] - below)[reached].min() + WEAR_MM), height)
@@ -89,8 +90,8 @@ def quick() -> Iterator[Measurement]:
     yield from _measured(4.0)
 
 
-def _equilibrium(values: dict[str, Any]) -> WheelsetRun:
-    return WheelsetTangentCase.from_values(values).run()
+def _equilibrium(values: dict[str, Any]) -> Any:
+    return load_case("wheelset-tangent", **values).run()
 
 
 def _geometry(values: dict[str, Any]) -> GeometryRun:

@@ -17,7 +17,7 @@ import math
 import tempfile
 from pathlib import Path
 
-from flangeway.cases import WheelsetTangentCase
+import flangeway as fw
 from flangeway.report import write_case
 
 
@@ -34,7 +34,7 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
     """
     found = {}
     for method in ("fem", "vem"):
-        case = WheelsetTangentCase.from_values({"method": method, "size_scale": size_scale})
+        case = fw.load_case("wheelset-tangent", method=method, size_scale=size_scale)
         run = case.run()
         found[method] = run
 

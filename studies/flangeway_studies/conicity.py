@@ -35,9 +35,9 @@ def title(name: str) -> str:
 def rolling_radius_difference(name: str) -> RollingRadiusDifference:
     """Compute one of `COMBINATIONS`, as ``flangeway geometry en15302`` does."""
     right, left, smaller = COMBINATIONS[name]
-    inputs: dict[str, object] = {"wheel": f"R-519-{right}"}
-    inputs |= {"left_wheel": f"R-519-{left}"} if left != right else {}
-    inputs |= {"left_wheel_radius_mm": 460.0 - smaller} if smaller else {}
+    inputs: dict[str, object] = {"wheelset.wheel": f"R-519-{right}"}
+    inputs |= {"wheelset.left.wheel": f"R-519-{left}"} if left != right else {}
+    inputs |= {"wheelset.left.radius_mm": 460.0 - smaller} if smaller else {}
     geometry = find_geometry_case("en15302", inputs).geometry()
     low, high = geometry.limits(REACH_MM, roll=False)
     steps = np.arange(np.ceil(low / STEP_MM), np.floor(high / STEP_MM) + 1.0)

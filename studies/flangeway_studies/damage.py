@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import Creepages
@@ -14,6 +14,9 @@ from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_in
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw, patch_loads, row_wear
 from flangeway.railway.damage.worn_surface import WornSurface
+from flangeway.railway.track.loads import Curve, Load
+from flangeway.railway.track.rolling import RollingMotion
+from flangeway.railway.track.wheelset_problem import Mesh, Spatial
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats
 from flangeway_studies.rolling_cases import STEEL as STEEL_OF_LINES
@@ -38,7 +41,12 @@ LOADS = (
 """Friction, p0 / k, and what repeated rolling over perfectly plastic steel comes to by whom."""
 FIRST_YIELD = 3.107
 """p0 / k at which von Mises' criterion is reached below a line contact without friction."""
-CURVE = {"size_scale": 6.0, "order": 1, "patch_cells": 14, "curve_radius_m": 600.0, "speed_km_h": 80.0, "friction": 0.3}
+CURVE = Wheelset(
+    load=Load(curve=Curve(radius_m=600.0, speed_km_h=80.0)),
+    rolling=RollingMotion(friction=0.3),
+    contact=Spatial(patch_cells=14),
+    mesh=Mesh(size_scale=6.0, order=1),
+)
 """A wheelset in a curve on coarse meshes; areas and powers are those of its cells whatever the mesh."""
 
 TWIN_DISC_W = {0.2: 1.3, 0.5: 9.2, 1.0: 25.7, 3.0: 102.6, 7.5: 246.0, 10.0: 327.8, 15.0: 492.1, 20.0: 728.4}
@@ -163,15 +171,14 @@ def twin_disc_rows(run: Run) -> Iterator[Row]:
 def wheelset_rows(run: Run) -> Iterator[Row]:
     """T-gamma and worn areas of a wheelset in a curve."""
     for theory in ("fastsim", "exact"):
-        case = SpatialWheelsetCase.from_values(CURVE | {"rolling_theory": theory})
-        result = solve_spatial(case.problem(), case.spatial_model())
+        result = solve_spatial(CURVE.replaced(rolling={"theory": theory}))
         run.check(f"wheelset in a curve, {theory}", result.status)
         for number, (_, creep) in enumerate(result.rolling, 1):
             t_gamma = patch_loads(creep).t_gamma_N
             error = t_gamma * creep.speed / creep.power_W - 1.0
             quantity = "T-gamma of the cells by power over speed less 1"
             yield Row("curve", f"{theory}, patch {number}", quantity, "", error, 0.0, POWER_LIMIT)
-        wheel, rail = result.problem.wheelset.wheel, result.problem.track.rail
+        wheel, rail = result.problem.wheelset.wheel_of("right"), result.problem.track.rail_of("right")
         for row in row_wear(result, {"wheel": UsfdLaw(), "rail": UsfdLaw()}):
             surface = WornSurface(wheel if row.role == "wheel" else rail)
             area = (surface.deposited(row.ends, row.areas) * surface.worn_lengths).sum()

@@ -15,7 +15,7 @@ from flangeway.geometry.arrays import middles_of
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
-from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.joining import pieces_between
 from flangeway.railway.track.placements import Track
 from flangeway.space import Space
@@ -284,9 +284,10 @@ LIMIT, PLACE = 0.02, 0.05
 
 def cut_surfaces() -> tuple[Contour, Contour, float]:
     """Surfaces of rail and wheel within the blocks, their first touch at the origin, and the height of the axle."""
-    track, profile = Track(rail("60E1"), GAUGE, INCLINATION, gauge_depth_mm=GAUGE_DEPTH), wheel("S1002")
+    track = Track(rail="60E1", gauge_mm=GAUGE, inclination=INCLINATION, gauge_depth_mm=GAUGE_DEPTH)
+    profile = wheel("S1002")
     placement = Placement(translation=(BACK_TO_BACK / 2.0 + profile.flange_back_mm + LATERAL, 0.0))
-    lower = track.rail.running_surface.transformed(track.placement("right"))
+    lower = track.rail_of("right").running_surface.transformed(track.placement("right"))
     upper = profile.running_surface.transformed(placement)
     x = np.arange(lower.bounds()[0, 0] + 1.0, lower.bounds()[1, 0] - 1.0, 1e-3)
     low, high = heights(lower, x), heights(upper, x)

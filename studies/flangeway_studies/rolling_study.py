@@ -210,14 +210,14 @@ def falling_numbers(energy: Energy) -> Iterator[Row]:
 
 def warm_numbers(energy: Energy) -> Iterator[Row]:
     """Flash temperatures of a band and of an ellipse that slide, friction that falls with them, and reduced slopes."""
-    steel, n = Heat(0.0), PUBLISHED_CELLS
+    steel, n = Heat(temperature_C=0.0), PUBLISHED_CELLS
     warm = Friction(MU, heating=Heating(steel, steel))
     # a band under even pressures, by whose speed everything slips
     grid = PatchGrid(WIDE * np.array([-1.0, 1.0]), 2.0 * BAND / (4 * n), 4 * n)
     contact = RollingContact.between_half_spaces(grid, np.full((1, 4 * n), 500.0), warm, (STEEL, STEEL))
     rolling = energy.check("band of heat", roll(contact, Creepages(0.2, speed=BAND_SPEED)))
     assert rolling.flash_temperatures is not None
-    diffusivity = steel.conductivity / (steel.density * steel.capacity)
+    diffusivity = steel.conductivity_W_per_m_K / (steel.density_kg_m3 * steel.capacity_J_per_kg_K)
     peclet = BAND_SPEED / (2.0 * diffusivity)  # over a length in m
 
     # Carslaw and Jaeger's line sources (1959, 10.7), of half of the heat: K_0(z) exp(z) ahead, K_0(z) exp(-z) behind,
@@ -229,7 +229,7 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
         quad(lambda length: k0e(peclet * length) * np.exp(-2.0 * peclet * length), 0.0, behind, points=[1e-5])[0],
     )
     power = 1e6 * MU * 500.0 * 0.2 * BAND_SPEED / 2.0
-    exact = power / (np.pi * steel.conductivity) * sum(sides)
+    exact = power / (np.pi * steel.conductivity_W_per_m_K) * sum(sides)
     note = f"line sources, V a / (2 kappa) = {1e-3 * BAND * peclet:.0f}; {4 * n} cells"
     rise = rolling.flash_temperatures[0, middle]
     yield Row("Flash temperature", "band at even pressures", "rise", "K", rise, exact, WARM_LIMIT, note)
@@ -255,7 +255,7 @@ def warm_numbers(energy: Energy) -> Iterator[Row]:
     note = "CONTACT on 59 cells along, which adds the heat of the cell itself twice"
     yield Row("CONTACT", "ellipse that slides at 1 m/s", "maximum", "K", rise, published_rise, None, note)
 
-    friction = Friction(0.36, 0.1368, 0.99 / np.log(2.0), slope=SlopeReduction(0.54, 0.02, 0.62))
+    friction = Friction(0.36, 0.1368, 0.99 / np.log(2.0), slope=SlopeReduction(initial=0.54, remaining=0.02, rate=0.62))
     contact = RollingContact.under_hertz((12.61, 6.304), 106700.0, (n, n), friction, (STEEL, STEEL))
     for (code, _), exact in published("reduced").items():
         motion = Creepages(float(code), speed=10.0)

@@ -3,17 +3,15 @@
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
-from flangeway.elements import TraceStabilisation
+from flangeway.cases.case_file import load_case
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.geometry import Arc, Line, Outline
-from flangeway.materials import Elastic
 from flangeway.post import PressurePatch
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile, wheel
 from flangeway.railway.profiles.flange_root import (
@@ -22,8 +20,9 @@ from flangeway.railway.profiles.flange_root import (
     with_flange_root,
     with_wide_flange_root,
 )
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
-from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
+from flangeway.railway.track.loads import Load, Position
+from flangeway.railway.track.placements import Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.wheelset_problem import Mesh, Plane, WheelsetProblem
 from flangeway.railway.wheelset.plane_patch import WheelRailPatch
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset
 from flangeway.types import Floats, Progress
@@ -32,7 +31,6 @@ from flangeway_studies.study import Limit, Published, Row, Run, published_rows
 # --- Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons.
 
 
-CASES: dict[str, type[WheelsetCase]] = {"tangent": WheelsetTangentCase, "curve": WheelsetCurveCase}
 TABLES = {"tangent": 15, "curve": 16}
 METHODS = {"F": "fem", "V": "vem"}
 CODES = ("FO1", "VO1", "FO2", "VO2")
@@ -63,40 +61,41 @@ COARSE_MM = 10.0  # another size of triangles away from contact, to show its inf
 BY_HAND = "the published equilibrium was found by hand"
 
 
-def published_case(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetCase:
-    """Return the case of a row: identified wheel, node-to-segment, penalty per node, one mesh for both orders."""
+@cache
+def identified(situation: str) -> Wheelset:
+    """Return the bundled case of a situation with the identified wheel."""
+    case = load_case(f"wheelset-{situation}", wheel=IDENTIFIED)
+    assert isinstance(case, Wheelset)
+    return case
+
+
+def published_case(situation: str, code: str, body_mm: float = BODY_MM) -> Wheelset:
+    """Return the case of a row: identified wheel, node-to-segment, penalty per node, one mesh for both orders.
+
+    Polygons have the published stabilisation (Moherdaui 2021, 3.96).
+    """
     order = int(code[2])
-    return CASES[situation].from_values(
-        {
-            "wheel": IDENTIFIED,
-            "method": METHODS[code[0]],
-            "order": order,
+    return identified(situation).replaced(
+        mesh={"method": METHODS[code[0]], "order": order, "stabilisation": "trace"},
+        contact={
             "pairing": "node-to-segment",
             "nodal_penalty_N_per_mm": NODAL_PENALTY_N_PER_MM[code[0]],
             # sizes of order 2 are doubled by the case
-            "rail_contact_size_mm": RAIL_MM / order,
-            "wheel_contact_size_mm": WHEEL_MM / order,
+            "rail_mesh": {"contact_size_mm": RAIL_MM / order},
+            "wheel_mesh": {"contact_size_mm": WHEEL_MM / order},
             "body_size_mm": body_mm / order,
-        }
+        },
     )
-
-
-def published_problem(case: WheelsetCase) -> WheelsetProblem:
-    """Return the problem of such a case with the published stabilisation of polygons (Moherdaui 2021, 3.96)."""
-    problem = case.problem()
-    return replace(problem, discretisation=replace(problem.discretisation, stabilisation=TraceStabilisation()))
 
 
 def run_published(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetResult:
     """Solve a row from a cold start."""
-    return solve_wheelset(published_problem(published_case(situation, code, body_mm)), cold=True)
+    return solve_wheelset(published_case(situation, code, body_mm), cold=True)
 
 
 def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:
     """Solve the curve of a row with another wheel."""
-    case = published_case("curve", code)
-    problem = replace(published_problem(case), wheelset=replace(case.wheelset(), wheel=profile))
-    result = solve_wheelset(problem, cold=True)
+    result = solve_wheelset(published_case("curve", code).replaced(wheelset={"wheel": profile}), cold=True)
     if not result.status.converged:
         raise InputError(
             f"the curve with {profile.title}", "a wheel with an equilibrium position", result.status.message
@@ -284,11 +283,6 @@ def rigid_differences_mm(result: WheelsetResult) -> tuple[Floats, float]:
     return np.array(differences), max(points)
 
 
-def solve_varied(case: WheelsetCase, values: dict[str, float]) -> WheelsetResult:
-    """Solve a case with changed inputs from a cold start."""
-    return type(case).from_values({**case.model_dump(exclude_unset=True), **values}).run(cold=True).plane
-
-
 def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
     """Side of a contact and the part of the wheel that touches: ``tread`` or ``flange root``.
 
@@ -352,20 +346,25 @@ def one_arc_wheel() -> WheelProfile:
     return WheelProfile("block with a round bottom", outline, ("tread",), 0.0, half, "exact", SOURCE)
 
 
-def one_arc_rows(run: Run, discretisation: Discretisation, material: Elastic) -> Iterator[Row]:
+def one_arc_rows(run: Run) -> Iterator[Row]:
     """Pressure, half width and approach of two arcs under two loads beside Hertz's."""
     run.progress("one arc on one arc")
-    track = Track(one_arc_rail(), gauge_mm=1500.0, rail_inclination=0.0, gauge_at="narrowest")
+    track = Track(rail=one_arc_rail(), gauge_mm=1500.0, inclination=0.0, gauge_at="narrowest")
     # the wheels stand over the middles of their rails
-    wheelset = Wheelset(one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, centre_of_gravity_height_mm=0.0)
+    wheels = WheelPair(wheel=one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, radius_at="flange-tip")
     # round on round a wheelset is not stable sideways
-    upright = Prescribed(lateral_mm=0.0, roll_rad=0.0)
+    upright = Position(lateral_mm=0.0, roll_rad=0.0)
     problem = WheelsetProblem(
-        track, wheelset, WheelsetLoad(LOADS_N[0]), material, THICKNESS_MM, discretisation, prescribed=upright
+        track=track,
+        wheelset=wheels,
+        load=Load(centre_of_gravity_height_mm=0.0),
+        position=upright,
+        contact=ONE_ARC_CONTACT,
+        mesh=Mesh(order=2),
     )
     approaches = []
     for load in LOADS_N:
-        result = solve_wheelset(replace(problem, load=WheelsetLoad(load)), cold=True)
+        result = solve_wheelset(problem.replaced(load={"axle_load_kN": 1e-3 * load}), cold=True)
         run.check(f"one arc on one arc, {0.5 * load:g} N", result.status)
         approaches.append(result.approach_mm)
     patch = next(patch for patch in result.patches if patch.side == "right")
@@ -411,7 +410,7 @@ REGIONS = ("left tread", "right flange root", "right tread")
 RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
 """Maximum distance of the position, extrapolated to rigid bodies, and of the contact points from the rigid ones."""
 REQUIRED_FACTOR = 100.0  # factor on Young's modulus from which the contact points must be the rigid ones
-ONE_ARC_MESH = Discretisation(order=2, contact_size_mm=0.1, body_size_mm=4.0, enforcement="multiplier")
+ONE_ARC_CONTACT = Plane(thickness_mm=THICKNESS_MM, contact_size_mm=0.1, body_size_mm=4.0, enforcement="multiplier")
 REFINED = {
     "force": 0.005,
     "maximum pressure": 0.03,
@@ -440,7 +439,7 @@ def rows(run: Run) -> Iterator[Row]:
     again, and there are fewer roots, two values of Young's modulus, one refinement, and no other crowns.
     """
     results: Results = {}
-    for situation, code in itertools.product(CASES, CODES):
+    for situation, code in itertools.product(TABLES, CODES):
         run.progress(f"{situation}, {code}")
         results[situation, code] = run_published(situation, code)
         run.check(f"{situation} {code}", results[situation, code].status)
@@ -449,10 +448,10 @@ def rows(run: Run) -> Iterator[Row]:
     yield from root_rows(run, results)
     yield from _agreement(results)
     yield from _regions(run, results["curve", "FO2"])
-    curve = WheelsetCurveCase.from_values({"wheel": IDENTIFIED})
+    curve = identified("curve")
     yield from _rigid_limit(run, curve)
     yield from _refined(run, curve)
-    yield from one_arc_rows(run, ONE_ARC_MESH, Elastic(curve.young_MPa, curve.poisson))
+    yield from one_arc_rows(run)
 
 
 def _agreement(results: Results) -> Iterator[Row]:
@@ -476,22 +475,22 @@ def _regions(run: Run, finite: WheelsetResult) -> Iterator[Row]:
     crowns = {10.0: finite}
     for crown in () if run.quick else (8.0, 14.0):
         run.progress(f"crown radius {crown:g} in")
-        case = WheelsetCurveCase.from_values({"crown_radius_in": crown, "order": 2, "wheel": IDENTIFIED})
+        case = identified("curve").replaced(track={"rail": f"136RE-{crown:g}"}, mesh={"order": 2})
         crowns[crown] = case.run(cold=True).plane
     for crown, result in crowns.items():
         regions = sorted(contact_name(result, patch) for patch in result.patches)
-        code, order = "curve FO{}, crown {:g} in", result.model.problem.discretisation.order
+        code, order = "curve FO{}, crown {:g} in", result.model.problem.mesh.order
         limit = Limit("these three", regions == sorted(REGIONS) and result.status.converged)
         note = ", ".join(regions) + "; inner rail one contact, outer rail two"
         yield Row("regions", code.format(order, crown), "contacts", "", float(len(regions)), 3.0, limit, note)
 
 
-def _rigid_limit(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
+def _rigid_limit(run: Run, curve: Wheelset) -> Iterator[Row]:
     names = ("lateral displacement", "vertical displacement", "roll x 750 mm")
     factors, differences = (10.0, 100.0) if run.quick else FACTORS, []
     for factor in factors:
         run.progress(f"Young's modulus times {factor:g}")
-        result = solve_varied(curve, {"young_MPa": factor * curve.young_MPa})
+        result = curve.replaced(material={"young_MPa": factor * curve.material.young_MPa}).run(cold=True).plane
         run.check(f"Young's modulus x {factor:g}", result.status)
         apart, points = rigid_differences_mm(result)
         differences.append(apart)
@@ -509,11 +508,12 @@ def _rigid_limit(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
         yield Row("rigid limit", "curve FO1, E to infinity", name, "mm", value, 0.0, f"{RIGID_MM:g} mm", note)
 
 
-def _refined(run: Run, curve: WheelsetCurveCase) -> Iterator[Row]:
+def _refined(run: Run, curve: Wheelset) -> Iterator[Row]:
     before: Published = {}
     for divisor in (1, 2) if run.quick else DIVISORS:
         run.progress(f"element size in contact over {divisor}")
-        result = solve_varied(curve, {"contact_size_mm": curve.contact_size_mm / divisor})
+        case = curve.replaced(contact={"contact_size_mm": curve.plane.contact_size_mm / divisor})
+        result = case.run(cold=True).plane
         run.check(f"element size / {divisor}", result.status)
         numbers = contact_quantities(result)
         for (name, quantity), value in numbers.items() if before else ():

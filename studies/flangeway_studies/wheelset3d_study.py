@@ -1,21 +1,22 @@
 """The wheelset in three dimensions: what ``flangeway reproduce wheelset3d`` computes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
-from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.patch.normal_contact import ElasticSurface
 from flangeway.contact.patch.patch_contact import SpatialPatch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.loads import Curve, Load
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.supports import Fixed, RigidAxle
+from flangeway.railway.track.wheelset_problem import Mesh, Method, Plane, YieldingSteel
 from flangeway.railway.wheelset.fine_cells import finer
-from flangeway.railway.wheelset.running_surfaces import SpatialModel, running_surfaces
+from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
@@ -37,8 +38,6 @@ FIRST_MM = 0.02
 MAX_STEPS = 60
 REACH_MM, CELL_MM = (16.0, 12.0), 1.0
 """Half width and half length about the first touch of the first grid, and its cells."""
-FIXED = SpatialModel(support=None, axle=None)
-"""Rails fixed along their bases, and a rigid axle."""
 SPACING_MM = 0.1
 """Distance of the points at which rigid surfaces are compared."""
 
@@ -70,8 +69,8 @@ class PressedWheel:
     @property
     def tape_mm(self) -> float:
         """Distance of the tape line from the middle of the axle."""
-        wheelset = self.wheelset.problem.wheelset
-        return wheelset.back_to_back_mm / 2.0 + wheelset.wheel_of(self.side).flange_back_mm
+        wheels = self.wheelset.problem.wheels
+        return wheels.distance_mm / 2.0 + wheels.wheel_of(self.side).flange_back_mm
 
     @property
     def centre_of_pressure_mm(self) -> float:
@@ -118,16 +117,16 @@ def pressed_wheel(
     """
     sign = SIDE_SIGN[side]
     touch = wheelset.geometry.side(side).touches(np.array([sign * lateral_mm]), np.array([sign * roll_rad]))
-    surfaces, lift = wheelset.surfaces[side], touch.lift[0, 0] - wheelset.problem.wheelset.tape_radius_mm
+    surfaces, lift = wheelset.surfaces[side], touch.lift[0, 0] - wheelset.problem.wheels.tape_radius_mm
     position = WheelsetPosition(lateral_mm, lift - FIRST_MM, roll_rad)
     # the yaw moves the wheel along the track
-    along = touch.x[0, 0] * pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad).axis[2]
+    along = touch.x[0, 0] * pose_of(wheelset.problem, position, side, wheelset.problem.position.yaw_rad).axis[2]
     first, last = np.round((along + np.array([-1.0, 1.0]) * REACH_MM[1]) / CELL_MM).astype(int).tolist()
     low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
     ends: Floats = np.arange(low, high, CELL_MM)
     ends = ends[np.abs(surfaces.rail_points(ends)[0][:, 0] - touch.x[0, 0]) < REACH_MM[0]]
     cells = PatchGrid.on_planes(ends, CELL_MM, first, last - 1)
-    grid = GriddedSide(surfaces, cells, pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad))
+    grid = GriddedSide(surfaces, cells, pose_of(wheelset.problem, position, side, wheelset.problem.position.yaw_rad))
     while True:
         position, state = _pressed(wheelset, side, grid, position, force)
         new = finer(state)
@@ -156,7 +155,7 @@ def _pressed(
     """Position and contact on a grid, by Newton's method."""
     forces: Floats | float = 0.0
     for _ in range(MAX_STEPS):
-        state = solve_side(grid, pose_of(wheelset.problem, position, side, wheelset.model.yaw_rad), forces)
+        state = solve_side(grid, pose_of(wheelset.problem, position, side, wheelset.problem.position.yaw_rad), forces)
         missing = force - state.resultant[1]
         if abs(missing) <= FORCE_TOLERANCE * force:
             return position, state
@@ -174,11 +173,11 @@ def _pressed(
 # --- Tangent and curve by finite and virtual elements of both orders, and patches beside those of a fine direct mesh.
 
 
-SITUATIONS: Mapping[str, Mapping[str, float]] = {
-    "tangent": {},
-    "curve": {"curve_radius_m": 500.0, "speed_km_h": 80.0, "superelevation_mm": 60.0},
+SITUATIONS = {
+    "tangent": Load(),
+    "curve": Load(curve=Curve(radius_m=500.0, speed_km_h=80.0, superelevation_mm=60.0)),
 }
-METHODS = (("fem", 2), ("vem", 2), ("fem", 1), ("vem", 1))
+METHODS: tuple[tuple[Method, int], ...] = (("fem", 2), ("vem", 2), ("fem", 1), ("vem", 1))
 """The first is the reference of the others."""
 FORCE_LIMIT, PRESSURE_LIMIT = 1e-3, 0.01
 
@@ -188,15 +187,11 @@ def method_rows(run: Run) -> Iterator[Row]:
     base: dict[str, SpatialResult] = {}
     for method, order in METHODS[: 2 if run.quick else None]:
         code = f"{method} {order}"
-        cases = {
-            name: SpatialWheelsetCase.from_values({"method": method, "order": order, **values})
-            for name, values in SITUATIONS.items()
-        }
+        mesh = Mesh(method=method, order=order)
         run.progress(code)
-        model = cases["tangent"].spatial_model()
-        surfaces = running_surfaces(cases["tangent"].problem(), model, progress=run.progress)
-        for name, case in cases.items():
-            result = solve_position(SpatialWheelset(case.problem(), surfaces, model), {})
+        surfaces = running_surfaces(Wheelset(mesh=mesh), progress=run.progress)
+        for name, load in SITUATIONS.items():
+            result = solve_position(SpatialWheelset(Wheelset(load=load, mesh=mesh), surfaces), {})
             run.check(f"{name}, {code}", result.status)
             if (method, order) == METHODS[0]:
                 base[name] = result
@@ -220,33 +215,30 @@ def _beside(table: str, code: str, base: SpatialResult, result: SpatialResult) -
 
 @dataclass(frozen=True)
 class DirectMesh:
-    """A wheel on a rail: the case, the vertical force in N, and cells and window of the direct mesh in mm."""
+    """A wheel on a rail: track, wheels, the vertical force in N, and cells and window of the direct mesh in mm."""
 
-    case: Mapping[str, Any]
+    track: Track
+    wheels: WheelPair
     force: float
     cell: float
     window: tuple[float, float]
 
 
-WIDE = {
-    "rail": "136RE",
-    "wheel": "AAR-1B",
-    "gauge_mm": 1600.0,
-    "gauge_at": "narrowest",
-    "wheel_radius_mm": 500.0,
-    "wheel_radius_at": "flange-tip",
-}
-EUROPE = {
-    "rail": "60E1",
-    "wheel": "S1002",
-    "gauge_mm": 1435.0,
-    "gauge_at": "narrowest",
-    "wheel_radius_mm": 460.0,
-    "wheel_radius_at": "tape-line",
-}
 DIRECT = {
-    "AAR-1B on 136RE": DirectMesh(WIDE, 150e3, 0.4, (15.0, 22.0)),
-    "S1002 on 60E1": DirectMesh(EUROPE, 100e3, 0.4, (30.0, 17.0)),
+    "AAR-1B on 136RE": DirectMesh(
+        Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest", support=Fixed()),
+        WheelPair(wheel="AAR-1B", radius_mm=500.0, radius_at="flange-tip", axle=RigidAxle()),
+        force=150e3,
+        cell=0.4,
+        window=(15.0, 22.0),
+    ),
+    "S1002 on 60E1": DirectMesh(
+        Track(rail="60E1", gauge_at="narrowest", support=Fixed()),
+        WheelPair(wheel="S1002", axle=RigidAxle()),
+        force=100e3,
+        cell=0.4,
+        window=(30.0, 17.0),
+    ),
 }
 DIRECT_LIMIT = 5e-3
 
@@ -254,13 +246,17 @@ DIRECT_LIMIT = 5e-3
 def direct_numbers(name: str) -> Iterator[Row]:
     """Maximum pressure and semi-axes of a tabulated compliance beside those of a mesh that is fine in the patch."""
     given = DIRECT[name]
-    case = {**given.case, "axle_load_kN": 2e-3 * given.force}
-    fine = {**case, "contact_size_mm": given.cell / 2.0, "body_size_mm": 12.0}
-    model = build_model(WheelsetTangentCase.from_values(fine).problem())
+    wheelset = Wheelset(track=given.track, wheelset=given.wheels, load=Load(axle_load_kN=2e-3 * given.force))
+    fine = Wheelset(
+        track=given.track.replaced(support="sleepers"),
+        wheelset=given.wheels.replaced(axle="elastic"),
+        load=wheelset.load,
+        contact=Plane(contact_size_mm=given.cell / 2.0, body_size_mm=12.0),
+        mesh=Mesh(order=1),
+    )
+    model = build_model(fine)
     (direct,) = spatial_patch(model, "right", given.force, cell_mm=given.cell, window_mm=given.window).patches
-    problem = SpatialWheelsetCase.from_values(case).problem()
-    wheelset = SpatialWheelset(problem, running_surfaces(problem, FIXED), FIXED)
-    (patch,) = pressed_wheel(wheelset, "right", given.force).patches
+    (patch,) = pressed_wheel(SpatialWheelset(wheelset, running_surfaces(wheelset)), "right", given.force).patches
     for (quantity, unit, known), (_, _, value) in zip(_measures(direct), _measures(patch), strict=True):
         yield Row(name, f"{given.force / 1e3:g} kN", quantity, unit, value, known, DIRECT_LIMIT)
 
@@ -278,17 +274,13 @@ def _measures(patch: SpatialPatch) -> tuple[tuple[str, str, float], ...]:
 
 
 FORCE = 10e3
-CASE = {
-    "rail": "60E1",
-    "wheel": "S1002",
-    "gauge_mm": 1435.0,
-    "gauge_depth_mm": 14.0,
-    "back_to_back_mm": 1360.0,
-    "wheel_radius_mm": 460.0,
-    "axle_load_kN": 2e-3 * FORCE,
-    "young_MPa": 2.0 * 82e3 * 1.28,
-    "poisson": 0.28,
-}
+CASE = Wheelset(
+    track=Track(rail="60E1", gauge_mm=1435.0, gauge_depth_mm=14.0, support=Fixed()),
+    wheelset=WheelPair(wheel="S1002", back_to_back_mm=1360.0, radius_mm=460.0, axle=RigidAxle()),
+    load=Load(axle_load_kN=2e-3 * FORCE),
+    material=YieldingSteel(young_MPa=2.0 * 82e3 * 1.28, poisson=0.28),
+)
+"""Rails fixed along their bases, and a rigid axle."""
 TABLE = "Manchester A-2.2"
 MANCHESTER_PRESSURE_LIMIT, MANCHESTER_FORCE_LIMIT, POSITION_LIMIT_MM = 0.03, 0.01, 0.3
 STEEPEST_RAD = 0.3
@@ -318,17 +310,16 @@ class BenchmarkPosition:
 
 def benchmark_positions(run: Run, *, every: int) -> Iterator[BenchmarkPosition]:
     """Press the left wheel in the positions, or every so many of them."""
-    problem = SpatialWheelsetCase.from_values(CASE).problem()
-    real = running_surfaces(problem, FIXED, progress=run.progress)
+    real = running_surfaces(CASE, progress=run.progress)
     half = {side: as_half_spaces(surfaces) for side, surfaces in real.items()}
     rows = published_rows("manchester_a22_left.csv")
     for row in rows[::every]:
         values = {name: float(value) for name, value in row.items()}
         run.progress(f"Manchester A-2.2, y = {values['y']:g} mm")
         # CONTACT's axes x ahead and z down: both angles have the opposite sign
-        model = replace(FIXED, yaw_rad=-values["yaw"])
+        yawed = CASE.replaced(position={"yaw_mrad": -1e3 * values["yaw"]})
         pressed = [
-            pressed_wheel(SpatialWheelset(problem, surfaces, model), "left", FORCE, values["y"], -values["roll"])
+            pressed_wheel(SpatialWheelset(yawed, surfaces), "left", FORCE, values["y"], -values["roll"])
             for surfaces in (real, half)
         ]
         yield BenchmarkPosition(values, *pressed)
