@@ -23,7 +23,7 @@ from benchmarks.samples import resident_mb, sample
 from benchmarks.spatial import contact_of
 from benchmarks.sweep import wheelset_of
 from benchmarks.worn import worn_pair
-from flangeway.cases import load_case
+from flangeway.cases import Wheelset
 from flangeway.report.case_outputs import write_case
 from flangeway.types import Floats
 
@@ -86,7 +86,7 @@ def _first_runs(model: str) -> Iterator[Measurement]:
 
 def _run(model: str, start: float, folder: Path) -> dict[str, Any]:
     """Run the case in this process, which began at a time."""
-    done = load_case("wheelset", contact=model).run()
+    done = Wheelset.from_values({"contact": model}).run()
     numbers = time.time() - start
     write_case(done, folder)
     return {

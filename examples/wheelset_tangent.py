@@ -1,4 +1,4 @@
-"""A wheelset stands on two rails: where they touch, and how hard.
+"""A slice of a wheelset stands on two rails: where they touch, and how hard.
 
         o  300 kN at the car's centre of gravity
         |
@@ -8,7 +8,7 @@
 
 Run it with ``python examples/wheelset_tangent.py``. Steps:
 
-1. choose the inputs; what is left out has a default (`flangeway cases` lists all);
+1. choose the inputs; what is left out has a default (`flangeway cases wheelset` lists all);
 2. solve: wheels and rails are meshed, condensed to their surfaces, and brought into balance with the load;
 3. read the results: forces and pressures here, fields and pictures in the folder of results.
 """
@@ -16,6 +16,7 @@ Run it with ``python examples/wheelset_tangent.py``. Steps:
 import math
 import tempfile
 from pathlib import Path
+from typing import Literal
 
 import flangeway as fw
 from flangeway.report import write_case
@@ -33,9 +34,16 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
 
     """
     found = {}
-    for method in ("fem", "vem"):
-        case = fw.load_case("wheelset-tangent", method=method, size_scale=size_scale)
-        run = case.run()
+    methods: tuple[Literal["fem", "vem"], ...] = ("fem", "vem")
+    for method in methods:
+        case = fw.Wheelset(
+            track=fw.Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),
+            wheelset=fw.WheelPair(wheel="AAR-1B", radius_mm=500.0, radius_at="flange-tip"),
+            load=fw.Load(axle_load_kN=300.0),
+            contact=fw.Plane(),
+            mesh=fw.Mesh(method=method, order=1, size_scale=size_scale),
+        )
+        run = case.solve()
         found[method] = run
 
         # the iteration has ended well, and the contact forces bear the load of 300 kN
