@@ -1,19 +1,16 @@
 """Wheelsets in space that stood without being found, and gaps to a wheel as a true surface of revolution."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
 
 from benchmarks.standing import MAX_FORCE, Combination, checks, combinations, stand
-from flangeway.contact.rolling.friction import Friction
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.equilibrium import Reach, load_on_axle
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
@@ -26,15 +23,13 @@ from tests.railway.wheelset.conftest import coarse_case
 @lru_cache(maxsize=8)
 def surfaces_of(wheel, rail, inclination):
     """Running surfaces of a bundled pair on coarse meshes."""
-    case = coarse_case(wheel=wheel, rail=rail, rail_inclination=inclination)
-    return running_surfaces(case.problem(), case.spatial_model())
+    return running_surfaces(coarse_case(wheel=wheel, rail=rail, inclination=inclination))
 
 
-def solved(wheel, rail, motion=None, **inputs):
+def solved(wheel, rail, **inputs):
     """The wheelset in equilibrium."""
     case = coarse_case(wheel=wheel, rail=rail, **inputs)
-    model = replace(case.spatial_model(), rolling=motion)
-    return solve_position(SpatialWheelset(case.problem(), surfaces_of(wheel, rail, case.rail_inclination), model), {})
+    return solve_position(SpatialWheelset(case, surfaces_of(wheel, rail, case.track.inclination)), {})
 
 
 def unbalanced(found):
@@ -43,7 +38,7 @@ def unbalanced(found):
     total = load_on_axle(found.problem, position.roll_rad)[:2]
     for side, state in found.equilibrium.state.sides.items():
         total = total + (state.forces.sum(axis=1) @ state.normals) * (SIDE_SIGN[side], 1.0)
-    return total / found.problem.load.vertical_N
+    return total / found.problem.forces.vertical_N
 
 
 @pytest.mark.parametrize(("force_kN", "lateral_mm"), [(10.0, 5.60), pytest.param(30.0, 6.84, marks=pytest.mark.ci)])
@@ -71,7 +66,7 @@ def test_a_steep_flange_stands_on_136re(wheel, inputs):
 
 def test_an_upright_gauge_face_is_touched_beyond_the_rigid_range():
     """A face of 1:20 on a rail inclined by 1:20 belongs to the running surface; there the flange is 2.7 mm further."""
-    found = solved("AAR-1B", "60E2", rail_inclination=0.05, axle_load_kN=160, lateral_mm=8.0)
+    found = solved("AAR-1B", "60E2", inclination=0.05, axle_load_kN=160, lateral_mm=8.0)
     assert found.status.converged
     assert abs(unbalanced(found)[1]) < 1e-8
     assert found.flange_touches("right")
@@ -88,8 +83,7 @@ def test_sections_of_wheels_on_heads_that_are_worn_flat(tmp_path):
     points = points - [0.0, points[:, 1].max()]
     path = tmp_path / "flat.ban"
     path.write_text(write_miniprof(np.minimum(points, [np.inf, -5.0]), "rail", "flat"), encoding="utf-8")
-    case = coarse_case(rail=str(path), wheel="S1002", lateral_force_kN=5.0, axle_load_kN=200)
-    found = solve_spatial(case.problem(), case.spatial_model())
+    found = solve_spatial(coarse_case(rail=str(path), wheel="S1002", lateral_force_kN=5.0, axle_load_kN=200))
     assert found.status.converged
     for patch in found.patches:
         section = whole_sections(found, "wheel")[patch.side]
@@ -102,11 +96,10 @@ def test_sections_of_wheels_on_heads_that_are_worn_flat(tmp_path):
 @pytest.mark.ci
 def test_a_wheelset_with_free_yaw_runs_on_the_rolling_line():
     """Cones in a balanced curve stand at r0 l / (R gamma) with yaw 0."""
-    radius_m, speed = 4000.0, 20.0
-    motion = RollingMotion(
-        speed, Friction(0.3), curve_radius_m=radius_m, yaw_stiffness_Nm_per_rad=0.0, theory="fastsim"
-    )
-    found = solved("AAR-1B", "136RE", motion)
+    radius_m = 4000.0
+    curve = {"radius_m": radius_m, "speed_km_h": 72.0, "superelevation_mm": "from-speed"}
+    rolling = {"friction": 0.3, "yaw_stiffness_kNm_per_mrad": 0.0, "theory": "fastsim"}
+    found = solved("AAR-1B", "136RE", curve=curve, rolling=rolling)
     assert found.status.converged
     assert found.equilibrium.state.rolled.yaw_rad == pytest.approx(0.0, abs=2e-5)
     distance = np.mean([abs(patch.centre_mm[0]) for patch in found.patches])
@@ -149,12 +142,9 @@ def test_a_wheelset_does_not_go_to_and_fro(wheelset):
 @pytest.mark.ci
 def test_wheels_that_slip_everywhere_find_the_yaw_of_their_guidance():
     """A wheelset that turns fast in a soft guidance: from the frictionless position it yaws back by 12 mrad."""
-    case = coarse_case(
-        wheel="R-519-C", lateral_force_kN=-21.05, speed_km_h=153.3, friction=0.18, yaw_stiffness_kNm_per_mrad=1,
-        yaw_rate_mrad_per_s=18, yaw_mrad=10.7,
-    )  # fmt: skip
-    problem, model = case.problem(), case.spatial_model()
-    found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
+    rolling = {"speed_km_h": 153.3, "friction": 0.18, "yaw_stiffness_kNm_per_mrad": 1, "yaw_rate_mrad_per_s": 18}
+    problem = coarse_case(wheel="R-519-C", lateral_force_kN=-21.05, rolling=rolling, yaw_mrad=10.7)
+    found = solve_position(SpatialWheelset(problem, running_surfaces(problem)), {})
     assert found.status.converged
     assert checks(found)["force"] < MAX_FORCE
     rolled = found.equilibrium.state.rolled
@@ -175,8 +165,7 @@ def test_a_step_limit_shrinks_with_the_sense_of_steps_and_recovers():
 def cells_of_the_middle():
     """The wheelset S1002 on 60E1, its rigid position, and coarse cells there."""
     case = coarse_case()
-    surfaces = surfaces_of("S1002", "60E1", case.rail_inclination)
-    wheelset = SpatialWheelset(case.problem(), surfaces, case.spatial_model())
+    wheelset = SpatialWheelset(case, surfaces_of("S1002", "60E1", case.track.inclination))
     position = wheelset.start.motion
     return wheelset, position, wheelset.whole(position, None, {})
 
@@ -184,7 +173,7 @@ def cells_of_the_middle():
 def test_cells_that_are_chosen_twice_at_one_position_keep_the_way_to_it():
     """Where it was forgotten, a wheelset that had gone too far went on in the same steps back and forth."""
     wheelset, position, grids = cells_of_the_middle()
-    newton = WheelsetNewton(wheelset.problem, grids, position, 0.0, np.zeros((2, 2, 3)), None, None)
+    newton = WheelsetNewton(wheelset.problem, grids, position, np.zeros((2, 2, 3)), None, None)
     newton.linearise(1e-3)
     newton.across = Reach(1.2, 1.2, last=-1.2)
     for _ in range(2):

@@ -1,23 +1,20 @@
 """Patches of a wheelset that roll with friction: coefficients in three axes, forces in the track's axes, power."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
+from flangeway.cases.case_file import load_case
 from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import STRIPS_BEYOND, Creepages, Rolling, RollingContact, box_of
-from flangeway.materials import Elastic
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import rolling_contact_of
 from flangeway_studies.wheelset3d_study import as_half_spaces
-from tests.railway.wheelset.conftest import coarse_case
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +42,7 @@ def test_the_normal_part_is_that_of_normal_contact_and_forces_are_reciprocal(bod
 def test_half_spaces_on_a_tread_are_flat_half_spaces(wheelset):
     """Creep forces of cells on a curved rail are those of a plane patch to 0.5 % of the limit of friction."""
     half = {side: as_half_spaces(each) for side, each in wheelset.surfaces.items()}
-    found = solve_position(SpatialWheelset(wheelset.problem, half, wheelset.model), {})
+    found = solve_position(SpatialWheelset(wheelset.problem, half), {})
     contact = rolling_contact_of(found.patches[0], Friction(0.3))
     plane = RollingContact.between_half_spaces(contact.grid, contact.pressures, contact.friction, contact.materials)
     motion = Creepages(5e-4, -1e-3, 2e-5)
@@ -97,11 +94,11 @@ def test_spin_is_counter_clockwise_from_above(bodies):
 @pytest.mark.ci
 def test_different_materials_find_their_pressures_anew():
     """A softer wheel: pressures change with friction, their resultant does not."""
-    problem, model = (
-        replace(coarse_case().problem(), wheel_material=Elastic(100e3, 0.33)),
-        coarse_case().spatial_model(),
-    )
-    found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
+    softer = load_case(
+        "wheelset", order=1, size_scale=6.0, gauge_at="narrowest",
+        contact={"kind": "plane", "wheel_material": {"young_MPa": 100e3, "poisson": 0.33}},
+    )  # fmt: skip
+    found = solve_position(SpatialWheelset(softer.replaced(contact="spatial"), running_surfaces(softer)), {})
     contact = rolling_contact_of(found.patches[0], Friction(0.3))
     assert contact.pressed is not None
     state = roll(contact, Creepages(2e-3))

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
-from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.cases.case_file import load_case
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
 from flangeway.railway.wheelset.equilibrium import load_on_axle
 from flangeway.railway.wheelset.fine_cells import divided, finer
@@ -26,22 +25,20 @@ from tests.railway.wheelset.conftest import coarse_case
 
 
 def solved(wheelset, **inputs):
-    one = coarse_case(**inputs)
-    prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
-    return solve_position(wheelset.at(one.load(), prescribed, 1e-3 * one.yaw_mrad), {})
+    return solve_position(wheelset.at(coarse_case(**inputs)), {})
 
 
 def test_contact_forces_are_in_equilibrium_with_the_load_and_a_curve_is_mirrored(wheelset):
     """Forces and moment of the load to 1e-8; a curve to the other side exchanges left and right."""
     curve = {"speed_km_h": 80, "superelevation_mm": 60}
-    left, right = (solved(wheelset, curve_radius_m=radius, **curve) for radius in (500, -500))
+    left, right = (solved(wheelset, curve=curve | {"radius_m": radius}) for radius in (500, -500))
     assert left.status.converged
     assert left.equilibrium.stable
     total = np.zeros(3)
     for patch in left.patches:
         force, place = (
             patch.force_on_wheel_N[:2],
-            patch.centre_mm[:2] - left.equilibrium.position.axle(left.problem.wheelset),
+            patch.centre_mm[:2] - left.equilibrium.position.axle(left.problem.wheels),
         )
         total += (*force, place[0] * force[1] - place[1] * force[0])
     load = load_on_axle(left.problem, left.equilibrium.position.roll_rad)
@@ -59,9 +56,7 @@ def test_more_cells_across_a_patch_change_it_by_their_error(wheelset):
     """Patches have as many cells as the input says; twice as many move the maximum pressure by less than 1 %."""
     found = {}
     for cells in (13, 26):
-        case = coarse_case(lateral_mm=1.0, patch_cells=cells)
-        one = wheelset.at(case.load(), Prescribed(1.0), 0.0)
-        found[cells] = solve_position(replace(one, model=replace(one.model, patch_cells=case.patch_cells)), {})
+        found[cells] = solved(wheelset, lateral_mm=1.0, patch_cells=cells)
     for few, many in zip(found[13].patches, found[26].patches, strict=True):
         counts = [patch.n_cells for patch in (few, many)]
         assert min(counts[0]) >= 10
@@ -79,7 +74,7 @@ def test_pressure_and_area_change_smoothly_as_the_wheelset_moves(wheelset):
 @pytest.mark.ci
 def test_the_lateral_force_does_the_work_that_the_energy_changes_by(wheelset):
     """As the flange climbs to more than 40 kN, by Gauss's rule over steps of 0.5 mm: to 0.1 %, on a rigid axle."""
-    rigid = replace(wheelset, model=replace(wheelset.model, axle=None))
+    rigid = wheelset.at(coarse_case(axle="rigid"))
     sweep = energy_sweep(rigid, step=0.5, lateral=7.5, farthest=8.5)
     assert not sweep.failures
     assert sweep.error < 1e-3
@@ -91,7 +86,7 @@ def test_a_wheelset_is_held_at_a_lateral_position_where_rails_deflect_and_not_wh
     """Between 16 and 22 mm the force that holds it grows evenly; 35 mm ends where it has derailed, in a few steps."""
     held = [-solved(wheelset, lateral_mm=lateral).equilibrium.residual[0] for lateral in (16.0, 18.0, 20.0, 22.0)]
     np.testing.assert_allclose(np.diff(held), 39.1e3, rtol=0.02)
-    steps, beside = [], wheelset.at(wheelset.problem.load, Prescribed(35.0), 0.0)
+    steps, beside = [], wheelset.at(coarse_case(lateral_mm=35.0))
     lost = solve_position(beside, {}, steps.append).status
     assert not lost.converged
     assert re.match(r"lateral_mm = 35: derailed, at \d\d\.\d mm", lost.message)
@@ -126,7 +121,7 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
 
 def test_a_position_is_no_equilibrium_while_wheel_and_rail_overlap_outside_of_its_cells(wheelset, monkeypatch):
     """However often cells are added: the last ones are checked too."""
-    one = wheelset.at(coarse_case().load(), Prescribed(lateral_mm=2.0), 0.0)
+    one = wheelset.at(coarse_case(lateral_mm=2.0))
     monkeypatch.setattr(SpatialWheelset, "beyond", lambda _, found, touching: {"right": touching["right"]})
     never = one.solve()
     assert not never.status.converged
@@ -136,9 +131,8 @@ def test_a_position_is_no_equilibrium_while_wheel_and_rail_overlap_outside_of_it
 @pytest.mark.ci
 def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     """In the middle of straight track each wheel carries half: pressures of `press_patch` within 2 %."""
-    one = coarse_case(rail_support="fixed", axle="rigid", size_scale=1.8)
-    problem, model = one.problem(), one.spatial_model()
-    found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
+    problem = coarse_case(support="fixed", axle="rigid", size_scale=1.8)
+    found = solve_position(SpatialWheelset(problem, running_surfaces(problem)), {})
     left, right = (next(p for p in found.patches if p.side == side) for side in SIDES)
     assert left.force_on_wheel_N == pytest.approx(right.force_on_wheel_N * (-1.0, 1.0, 1.0), rel=1e-6, abs=0.1)
     assert right.force_on_wheel_N[1] == pytest.approx(100e3, rel=1e-7)
@@ -167,7 +161,7 @@ FORCE = 150e3  # N
 
 def model_of(method: str, order: int, size: float) -> WheelsetModel:
     values = {"method": method, "order": order, "contact_size_mm": size, "axle_load_kN": 300.0, "body_size_mm": 12.0}
-    return build_model(WheelsetTangentCase.from_values(values).problem())
+    return build_model(load_case("wheelset-tangent", **values))
 
 
 def patch_of(method: str, order: int, size: float) -> PatchContact:

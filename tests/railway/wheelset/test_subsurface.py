@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases.case_file import load_case
 from flangeway.post import cell_stresses
 from flangeway.railway.profiles.orientation import conforming
 from flangeway.railway.wheelset.plane_patch import (
@@ -19,7 +19,7 @@ from flangeway.report.wheelset.wheelset_page import results_table
 def light():
     """A wheelset with so little load that its contact is small beside wheel and rail, as Hertz assumes."""
     values = {"axle_load_kN": 6.0, "contact_size_mm": 0.1, "order": 2}
-    return solve_wheelset(WheelsetTangentCase.from_values(values).problem())
+    return solve_wheelset(load_case("wheelset-tangent", **values))
 
 
 @pytest.mark.parametrize("body", ["rail", "wheel"])
@@ -69,20 +69,20 @@ def test_a_cubic_finds_the_top_between_jumps():
 @pytest.fixture(scope="module")
 def usual():
     """Contacts of Hertz: 136RE and AAR-1B."""
-    return WheelsetTangentCase.from_values({"size_scale": 5.0}).run()
+    return load_case("wheelset-tangent", size_scale=5.0).run()
 
 
 @pytest.fixture(scope="module")
 def pushed():
     """A wheel that runs at the gauge side of an upright head: the web is bent, and stressed more than the contact."""
-    return WheelsetTangentCase.from_values({"size_scale": 5.0, "rail_inclination": -0.05}).run()
+    return load_case("wheelset-tangent", size_scale=5.0, inclination=-0.05).run()
 
 
 @pytest.fixture(scope="module")
 def conformed():
     """S1002 on 60E1 at 1:40, which touch where the tread's curvature changes."""
     values = {"size_scale": 5.0, "rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
-    return WheelsetTangentCase.from_values(values).run()
+    return load_case("wheelset-tangent", **values).run()
 
 
 def rail_stresses(run):
@@ -121,7 +121,7 @@ def test_hertz_is_left_out_where_profiles_conform(usual, conformed):
 def test_the_criterion_follows_load_and_curvature(usual):
     """A small contact on constant curvatures is one of Hertz's; a wide one, or one at a change, is not."""
     patch, model = usual.result.patches[1], usual.result.model
-    wheel, rail = model.problem.wheelset.wheel_of("right"), model.problem.track.rail_of("right")
+    wheel, rail = model.problem.wheels.wheel_of("right"), model.problem.track.rail_of("right")
     places = patch.wheel_point_mm, patch.rail_point_mm
     found = [conforming(wheel, places[0], rail, places[1], width) for width in (0.1, 6.0, 40.0)]
     assert found == [False, False, True]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases.case_file import load_case
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps
 from flangeway.railway.wheelset.plane_wheelset import solve_wheelset
 from flangeway.railway.wheelset.wheelset_checks import checked
@@ -15,7 +15,7 @@ COARSE = {"size_scale": 3.0}
 
 
 def solved(**values):
-    return solve_wheelset(WheelsetTangentCase.from_values(COARSE | values).problem())
+    return solve_wheelset(load_case("wheelset-tangent", **COARSE | values))
 
 
 @pytest.fixture(scope="module")
@@ -142,7 +142,7 @@ def test_stresses_are_over_the_given_strength(coarse):
     """Nothing is reported where it is above all stresses, nor of other materials than steel without one."""
     assert not any("yield" in warning for warning in solved(young_MPa=70e3, size_scale=6.0).warnings)
     for strength, factor in ((920.0, "1.1 times in the rail"), (2000.0, None)):
-        model = replace(coarse.model, problem=replace(coarse.model.problem, yield_MPa=strength))
+        model = replace(coarse.model, problem=coarse.model.problem.replaced(material={"yield_MPa": strength}))
         _, warnings = judge(replace(coarse, model=model))
         assert (factor is None and warnings == ()) or factor in warnings[0]
 

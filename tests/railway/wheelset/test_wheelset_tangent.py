@@ -1,27 +1,24 @@
 """The main job: a wheelset in equilibrium on tangent track (Moherdaui 2021, 7.3.1)."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from flangeway.materials import Elastic
-from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad, WheelsetProblem
+from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.wheelset_problem import Mesh, Plane, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_wheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.solve import CondensedBodies
 
 
-def problem(load_n: float = 300e3, **settings) -> WheelsetProblem:
+def problem(load_kN: float | None = 300.0, primary: str = "auto", **mesh) -> WheelsetProblem:  # noqa: N803 (unit)
     return WheelsetProblem(
-        Track(rail(), gauge_at="narrowest"),
-        Wheelset(wheel()),
-        WheelsetLoad(load_n),
-        Elastic(210e3, 0.3),
-        discretisation=Discretisation(**settings),
+        track=Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),
+        wheelset=WheelPair(wheel="AAR-1B", radius_mm=500.0, radius_at="flange-tip"),
+        load={} if load_kN is None else {"axle_load_kN": load_kN},
+        contact=Plane(primary=primary),
+        mesh=Mesh(order=1, **mesh),
     )
 
 
@@ -85,7 +82,7 @@ def test_a_start_from_another_load_ends_in_the_same_place(coarse) -> None:
     """From the equilibrium of half of the load, and from first touch, the position is the same to 1e-9."""
     model, response = coarse
     cold = PlaneWheelset(model, response).equilibrium()
-    lighter = PlaneWheelset(model, response).at(problem(150e3, size_scale=3.0)).equilibrium()
+    lighter = PlaneWheelset(model, response).at(problem(150.0, size_scale=3.0)).equilibrium()
     assert lighter.position.vertical_mm > cold.position.vertical_mm + 0.1
     warm = PlaneWheelset(model, response).equilibrium(lighter)
     assert warm.status.converged, warm.status.message
@@ -95,7 +92,7 @@ def test_a_start_from_another_load_ends_in_the_same_place(coarse) -> None:
 def test_the_residual_is_that_of_all_forces(coarse) -> None:
     """At a prescribed position what is left of forces and moment is the force that holds it, by nodal forces."""
     model, response = coarse
-    held = replace(problem(size_scale=3.0), prescribed=Prescribed(0.5, -0.7, 2e-4))
+    held = problem(None, size_scale=3.0).replaced(position={"lateral_mm": 0.5, "vertical_mm": -0.7, "roll_rad": 2e-4})
     wheelset = PlaneWheelset(model, response).at(held)
     found = wheelset.equilibrium()
     assert found.status.converged
@@ -104,11 +101,11 @@ def test_the_residual_is_that_of_all_forces(coarse) -> None:
         if moves:
             own = slice(*response.offsets[number : number + 2])
             forces = np.vstack((forces, found.state.nodal_forces[own]))
-            arms = np.vstack((arms, found.state.positions[own] - found.position.axle(held.wheelset)))
-    height = held.wheelset.centre_of_gravity_height_mm
-    moment = np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]) + 300e3 * height * np.sin(2e-4)
+            arms = np.vstack((arms, found.state.positions[own] - found.position.axle(held.wheels)))
+    height = held.load.centre_of_gravity_height_mm
+    moment = np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]) + held.forces.vertical_N * height * np.sin(2e-4)
     x, y = forces.sum(axis=0)
-    assert found.residual == pytest.approx([x, y - 300e3, moment], rel=1e-9)
+    assert found.residual == pytest.approx([x, y - held.forces.vertical_N, moment], rel=1e-9)
     assert not any(found.residuals.free)
 
 
