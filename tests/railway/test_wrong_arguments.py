@@ -28,10 +28,10 @@ from flangeway.railway.rigid.conicity import (
     read_rolling_radius_difference,
 )
 from flangeway.railway.rigid.rigid_side import RigidCurve
-from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_problem import WheelsetLoad, superelevation_angle
-from flangeway.railway.wheelset.supported_rail import RailSupport
-from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, whole_wheel
+from flangeway.railway.track.loads import Load, superelevation_angle
+from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.supports import ElasticAxle, Sleepers, WholeSection
+from flangeway.railway.wheelset.whole_wheel import whole_wheel
 
 DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
 CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.linspace(0.2, 2.9, 100))))
@@ -42,7 +42,7 @@ WORN = WornSurface(rail("60E1"))
 
 
 def disc(**wrong):
-    return whole_wheel(wheel("S1002"), 460.0, WheelDisc(**wrong))
+    return whole_wheel(wheel("S1002"), 460.0, WholeSection(**wrong))
 
 
 WRONG = {
@@ -62,26 +62,26 @@ WRONG = {
     "OwnLaw(unit=['mm/mm'])": lambda: OwnLaw(np.zeros_like, ["mm/mm"]),
     "PerPatch(law=None)": lambda: PerPatch(None),
     "RollingContact(friction=0.3)": lambda: RollingContact.under_hertz((6.0, 4.0), 1e5, (8, 8), 0.3, (STEEL, STEEL)),
-    "gauge_mm": lambda: Track(rail(), gauge_mm=0.0),
-    "below the head of the right rail": lambda: Track(rail("60E1"), gauge_depth_mm=90.0).placement("right"),
-    "rail_inclination": lambda: Track(rail(), rail_inclination=40.0),
-    "back_to_back_mm": lambda: Wheelset(wheel(), back_to_back_mm=-1.0),
-    "centre_of_gravity_height_mm": lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan),
-    "vertical_N=-1": lambda: WheelsetLoad(-1.0),
-    "lateral_N=inf": lambda: WheelsetLoad(1.0, math.inf),
+    "gauge_mm": lambda: Track(gauge_mm=0.0),
+    "below the head of the right rail": lambda: Track(gauge_depth_mm=90.0).placement("right"),
+    "inclination": lambda: Track(inclination=40.0),
+    "back_to_back_mm": lambda: WheelPair(back_to_back_mm=-1.0),
+    "centre_of_gravity_height_mm": lambda: Load(centre_of_gravity_height_mm=math.nan),
+    "axle_load_kN = -1": lambda: Load(axle_load_kN=-1.0),
+    "lateral_force_kN = inf": lambda: Load(lateral_force_kN=math.inf),
     "superelevation": lambda: superelevation_angle(2000.0, 1600.0),
-    "young": lambda: Axle(young=-1.0),
-    "positive diameters": lambda: Axle(diameters_mm=((0.0, 170.0), (900.0, 0.0))),
-    "order them": lambda: Axle(diameters_mm=((0.0, 170.0), (900.0, 170.0), (800.0, 170.0))),
-    "pairs": lambda: Axle(diameters_mm=(0.0, 170.0)),
-    "both on the axle": lambda: Axle().tilts(np.array([750.0, -750.0]), np.zeros((2, 2))),
-    "kind": lambda: RailSupport(kind="ladder"),
-    "spacing_mm": lambda: RailSupport(spacing_mm=0.0),
-    "vertical_kN_per_mm": lambda: RailSupport(vertical_kN_per_mm=0.0),
-    "longitudinal_kN_per_mm": lambda: RailSupport(longitudinal_kN_per_mm=math.nan),
-    "pad_length_mm": lambda: RailSupport(pad_length_mm=601.0),
-    "position=1": lambda: RailSupport(position=1.0),
-    "position='over'": lambda: RailSupport(position="over"),
+    "young_MPa": lambda: ElasticAxle(young_MPa=-1.0),
+    "a diameter above 0": lambda: ElasticAxle(diameters_mm=((0.0, 170.0), (900.0, 0.0))),
+    "order them": lambda: ElasticAxle(diameters_mm=((0.0, 170.0), (900.0, 170.0), (800.0, 170.0))),
+    "diameters_mm[1]": lambda: ElasticAxle(diameters_mm=(0.0, 170.0)),
+    "both on the axle": lambda: ElasticAxle().tilts(np.array([750.0, -750.0]), np.zeros((2, 2))),
+    "kind = 'ladder'": lambda: Sleepers(kind="ladder"),
+    "spacing_mm": lambda: Sleepers(spacing_mm=0.0),
+    "vertical_kN_per_mm": lambda: Sleepers(vertical_kN_per_mm=0.0),
+    "longitudinal_kN_per_mm": lambda: Sleepers(longitudinal_kN_per_mm=math.nan),
+    "pad_length_mm": lambda: Sleepers(pad_length_mm=601.0),
+    "position = 1": lambda: Sleepers(position=1.0),
+    "position = 'over'": lambda: Sleepers(position="over"),
     "rim_mm": lambda: disc(rim_mm=0.0),
     "web_middle_mm": lambda: disc(web_middle_mm=(0.0, math.inf)),
     "a hub from 10 to 10 mm": lambda: disc(hub_mm=(10.0, 10.0)),

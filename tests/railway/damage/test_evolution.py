@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from benchmarks.damage import collective
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases import Wheelset
+from flangeway.cases.case_file import load_case
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings, EvolutionStep, limit_positions
@@ -31,28 +32,29 @@ from flangeway.railway.wheelset.spatial_wheelset import RollingPlace
 COARSE = {
     "size_scale": 6.0,
     "order": 1,
-    "rail_support": "continuous",
+    "support": "continuous",
     "axle": "rigid",
     "patch_cells": 10,
-    "friction": 0.3,
-    "speed_km_h": 80.0,
-    "yaw_stiffness_kNm_per_mrad": 10.0,
-    "rolling_theory": "fastsim",
+    "rolling": {"friction": 0.3, "yaw_stiffness_kNm_per_mrad": 10.0, "theory": "fastsim"},
 }
 ENERGY = EnergyLaw(0.02, "mm3/kJ")
 
 
 def state(share: float = 1.0, **inputs: object) -> RunningState:
-    """A state on coarse meshes."""
-    case = SpatialWheelsetCase.from_values(COARSE | inputs)
-    return RunningState(f"state {inputs}", share, case.problem(), case.spatial_model())
+    """A state on coarse meshes at 80 km/h, on straight track or in a curve."""
+    speed = {} if "curve" in inputs else {"rolling.speed_km_h": 80.0}
+    return RunningState(f"state {inputs}", share, load_case("wheelset", **COARSE, **speed, **inputs))
+
+
+def in_curve(radius_m: float, **more: float) -> dict[str, object]:
+    """Inputs of a curve."""
+    return {"curve": {"radius_m": radius_m, "speed_km_h": 80.0} | more}
 
 
 @pytest.fixture(scope="module")
 def curve():
     """A wheelset in a curve, solved."""
-    one = state(curve_radius_m=600.0)
-    return solve_spatial(one.problem, one.model)
+    return solve_spatial(state(**in_curve(600.0)).problem)
 
 
 def test_energy_law_wears_the_constant_times_t_gamma(curve) -> None:
@@ -70,7 +72,7 @@ def test_energy_law_wears_the_constant_times_t_gamma(curve) -> None:
 def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
     """Cells are carried to the profiles where their patches are, without loss, to 1e-10."""
     problem = curve.problem
-    profiles = {"wheel": problem.wheelset.wheel, "rail": problem.track.rail}
+    profiles = {"wheel": problem.wheels.wheel_of("right"), "rail": problem.track.rail_of("right")}
     for row in row_wear(curve, {"wheel": ENERGY, "rail": ENERGY}):
         surface = WornSurface(profiles[row.role])
         depth = surface.deposited(row.ends, row.areas)
@@ -193,13 +195,12 @@ def test_a_symmetric_case_stays_symmetric_up_to_its_limit() -> None:
 
 def test_a_mirrored_state_is_the_mirror_image(curve) -> None:
     """The left wheel in a curve to the left wears as the right one in the mirrored curve; twice mirrored is itself."""
-    canted = state(curve_radius_m=600.0, superelevation_mm=60.0, yaw_mrad=0.4)
+    canted = state(**in_curve(600.0, superelevation_mm=60.0), yaw_mrad=0.4)
     other = canted.mirrored
-    assert (other.model.rolling.curve_radius_m, other.model.yaw_rad) == (-600.0, -4e-4)
-    assert repr(other.mirrored.problem) == repr(canted.problem)
-    assert repr(other.mirrored.model) == repr(canted.model)
-    mirrored, areas = state(curve_radius_m=600.0).mirrored, []
-    for found in (curve, solve_spatial(mirrored.problem, mirrored.model)):
+    assert (other.problem.load.curve.radius_m, other.problem.position.yaw_mrad) == (-600.0, -0.4)
+    assert other.mirrored.problem == canted.problem
+    mirrored, areas = state(**in_curve(600.0)).mirrored, []
+    for found in (curve, solve_spatial(mirrored.problem)):
         rows = row_wear(found, {"wheel": ENERGY})
         areas.append({side: sum(row.areas.sum() for row in rows if row.side == side) for side in ("left", "right")})
     assert areas[0]["left"] > 2.0 * areas[0]["right"] or areas[0]["right"] > 2.0 * areas[0]["left"]
@@ -223,10 +224,10 @@ def test_a_search_that_begins_near_an_equilibrium_finds_it(curve) -> None:
 
 def test_curves_of_both_hands_wear_both_sides_alike(tmp_path) -> None:
     """Curves to the left and to the right wear both wheels to the same bits, and as the mean of the sides of one."""
-    one = state(0.5, curve_radius_m=600.0)
-    both = Collective([one, state(0.5, curve_radius_m=-600.0)], separate=True)
+    one = state(0.5, **in_curve(600.0))
+    both = Collective([one, state(0.5, **in_curve(-600.0))], separate=True)
     assert both.is_symmetric
-    assert not Collective([one, state(0.5, curve_radius_m=-500.0)], separate=True).is_symmetric
+    assert not Collective([one, state(0.5, **in_curve(-500.0))], separate=True).is_symmetric
     at_once = settings(1.0, limits={"min_flange_thickness_mm": 50.0})  # reached before the first step
     (both_sides,) = Evolution(both, {"wheel": ENERGY}, at_once).run()
     alone = Evolution(Collective([replace(one, share=1.0)]), {"wheel": ENERGY}, at_once)
@@ -251,17 +252,14 @@ def test_all_states_of_the_mixed_line_have_an_equilibrium() -> None:
 @pytest.mark.ci
 def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
     """Hollows of 1 mm: pressures on the compliance of the new bodies and on that of the worn ones agree to 2 %."""
-    case = SpatialWheelsetCase.from_values({})
-    problem, model, found = case.problem(), case.spatial_model(), []
-    surfaces = []
-    for new, share in ((problem.wheelset.wheel, 0.47), (problem.track.rail, 0.5)):
+    problem, found, surfaces = Wheelset(), [], []
+    for new, share in ((problem.wheels.wheel_of("right"), 0.47), (problem.track.rail_of("right"), 0.5)):
         fresh = WornSurface(new)
         away = fresh.middles - share * fresh.surface.length
         surfaces.append(WornSurface(new, np.exp(-((away / 14.0) ** 2)) * (np.abs(away) < 40.0)))
     for which in ("worn", "worn_body"):
         on_wheel, on_rail = (getattr(each, which) for each in surfaces)
-        wheelset, track = replace(problem.wheelset, wheel=on_wheel), replace(problem.track, rail=on_rail)
-        result = solve_spatial(replace(problem, wheelset=wheelset, track=track), model)
+        result = solve_spatial(problem.replaced(wheelset={"wheel": on_wheel}, track={"rail": on_rail}))
         found.append([patch.max_pressure for patch in result.patches])
     assert found[0] == pytest.approx(found[1], rel=0.02)
     assert max(found[0]) > 500.0
@@ -297,7 +295,7 @@ def test_bundled_collectives_add_up(name: str) -> None:
     parts = [part for state in COLLECTIVES[name] for part in parts_of(state)]
     assert sum(part["share"] for part in parts) == pytest.approx(1.0, abs=1e-12)
     for part in parts:
-        SpatialWheelsetCase.from_values({key: part[key] for key in part.keys() - {"name", "share"}}).problem()
+        load_case("wheelset", **{key: part[key] for key in part.keys() - {"name", "share"}}).check()
 
 
 def test_parts_of_a_state_are_a_rule_of_quadrature() -> None:
@@ -305,8 +303,8 @@ def test_parts_of_a_state_are_a_rule_of_quadrature() -> None:
     curves = {
         "name": "curves",
         "share": 0.3,
-        "curve_radius_m": (2000.0, 400.0),
-        "speed_km_h": [140.0, 70.0],
+        "load.curve.radius_m": (2000.0, 400.0),
+        "load.curve.speed_km_h": [140.0, 70.0],
         "wheel": "S1002",
     }
     low, high = 1.0 / 2000.0, 1.0 / 400.0
@@ -315,8 +313,8 @@ def test_parts_of_a_state_are_a_rule_of_quadrature() -> None:
         parts = parts_of(curves | {"parts": number})
         assert [part["share"] for part in parts] == pytest.approx([0.3 / number] * number)
         assert {part["wheel"] for part in parts} == {"S1002"}
-        curvatures = np.array([1.0 / part["curve_radius_m"] for part in parts])
-        speeds = np.array([part["speed_km_h"] for part in parts])
+        curvatures = np.array([1.0 / part["load.curve.radius_m"] for part in parts])
+        speeds = np.array([part["load.curve.speed_km_h"] for part in parts])
         # all ranges run together
         assert speeds == pytest.approx(140.0 - 70.0 * (curvatures - low) / (high - low), rel=1e-12)
         assert speeds.mean() == pytest.approx(105.0, rel=1e-12)
@@ -329,7 +327,7 @@ def test_parts_of_a_state_are_a_rule_of_quadrature() -> None:
     [
         ({"gauge_mm": (1432.0, 1435.0, 1438.0)}, "gauge_mm"),
         ({"gauge_mm": (1432.0, "wide")}, "wide"),
-        ({"curve_radius_m": (-500.0, 500.0)}, "curve_radius_m"),
+        ({"load.curve.radius_m": (-500.0, 500.0)}, "load.curve.radius_m"),
         ({"parts": 2}, "ranges"),
     ],
 )
@@ -344,7 +342,7 @@ def test_partners_of_what_wears_may_differ_between_states() -> None:
     """A wheel wears on two rails, each with its share, as on each of them alone; two rails do not wear as one."""
     rates, states = {}, [state(0.5, rail=name, gauge_mm=1435.0) for name in ("60E1", "49E1")]
     for name in ("both", "60E1", "49E1"):
-        some = [each for each in states if name in ("both", each.problem.track.rail.title)]
+        some = [each for each in states if name in ("both", each.problem.track.rail)]
         one = Collective([replace(each, share=1.0 / len(some)) for each in some])
         (step,) = Evolution(one, {"wheel": ENERGY}, settings(limits={"min_flange_thickness_mm": 50.0})).run()
         rates[name] = step.rates["wheel", "right"]
@@ -359,7 +357,7 @@ def test_partners_of_what_wears_may_differ_between_states() -> None:
     [
         (lambda: Collective([]), "without states"),
         (lambda: Collective([state(0.5), state(0.4)]), "0.9"),
-        (lambda: Collective([replace(state(), model=replace(state().model, rolling=None))]), "friction"),
+        (lambda: Collective([replace(state(), problem=state().problem.replaced(rolling=None))]), "friction"),
         (lambda: Evolution(Collective([state()]), {}, settings()), "law"),
         (lambda: Evolution(Collective([state()]), {"wheel": ENERGY, "rail": ENERGY}, settings()), "axles_per_km"),
         (lambda: settings(limits={"max_holow_mm": 2.0}), "max_holow_mm"),
@@ -373,6 +371,6 @@ def test_wrong_collectives_are_refused(make, word: str) -> None:
 
 def test_theories_without_slip_in_cells_are_refused() -> None:
     """Polach's formula has no slip in cells: wear by it is refused, and the input to change is named."""
-    one = state(curve_radius_m=600.0, rolling_theory="polach")
-    with pytest.raises(InputError, match="rolling_theory"):
-        row_wear(solve_spatial(one.problem, one.model), {"wheel": ENERGY})
+    problem = state(**in_curve(600.0)).problem.replaced(rolling={"theory": "polach"})
+    with pytest.raises(InputError, match=r"rolling\.theory"):
+        row_wear(solve_spatial(problem), {"wheel": ENERGY})

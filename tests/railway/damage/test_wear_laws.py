@@ -174,7 +174,7 @@ def test_worn_gauge_face_does_not_move_the_rail() -> None:
         fresh.new, np.exp(-(((fresh.middles - 105.0) / 5.0) ** 2)) * (np.abs(fresh.middles - 105.0) < 20.0)
     )
     assert isinstance(worn.new, type(PROFILES["60E1"]))
-    places = [Track(each).placement("right") for each in (fresh.worn, worn.worn)]
+    places = [Track(rail=each, gauge_mm=1600.0).placement("right") for each in (fresh.worn, worn.worn)]
     assert places[0] == places[1]
 
 

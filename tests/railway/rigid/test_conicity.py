@@ -133,7 +133,7 @@ def run(tmp_path_factory):
     points = wheel("R-519-I").running_surface.sampled(spacing=0.2)
     rows = "\n".join(f"{x:.4f} {y:.4f}" for x, y in points)
     file.write_text(f"# unit: mm\n# kind: wheel\n# origin: tape\n# up: yes\n{rows}\n", encoding="utf-8")
-    values = {"wheel": str(file), "wheel_body": "R-519-I", "rail": REFERENCE_RAIL, "rail_inclination": 0.05}
+    values = {"wheel": {"file": str(file), "body": "R-519-I"}, "rail": REFERENCE_RAIL, "inclination": 0.05}
     values |= {"gauge_mm": 1435.164446, "maximum_lateral_mm": 6.0, "roll": "none"}
     return run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values))
 

@@ -16,8 +16,13 @@ from flangeway.railway.rigid.conicity import read_rolling_radius_difference
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide, outline_across
-from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_problem import WheelsetLoad
+from flangeway.railway.track.loads import WheelsetLoad
+from flangeway.railway.track.placements import Track, WheelPair
+
+HEAVY_HAUL = (
+    Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),
+    WheelPair(wheel="AAR-1B", back_to_back_mm=1515.0, radius_mm=500.0, radius_at="flange-tip"),
+)
 
 HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
 
@@ -48,8 +53,8 @@ def test_a_sharp_corner_of_a_rail_is_touched_with_the_angle_of_the_wheel():
     points = list(zip(x.tolist(), y.tolist(), strict=True))
     names = ["base", "side", "shoulder", "field", "top", "gauge", "shoulder", "side"]
     outline = Outline.from_segments([Line(*ends) for ends in zip(points, [*points[1:], points[0]], strict=True)], names)
-    track = Track(RailProfile("corners", outline, ("gauge", "top", "field"), ("base",), "", ""), 1435.0)
-    geometry = RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 488.0))
+    track = Track(rail=RailProfile("corners", outline, ("gauge", "top", "field"), ("base",), "", ""))
+    geometry = RigidGeometry.of(track, WheelPair(back_to_back_mm=1360.0))
     position = rigid_equilibrium(geometry, WheelsetLoad(2e5, 2e4)).reached()
     assert np.sum([point.force_on_wheel_N for point in position.contacts], axis=0) == pytest.approx(
         (-2e4, 2e5), abs=20.0
@@ -61,7 +66,7 @@ def test_a_sharp_corner_of_a_rail_is_touched_with_the_angle_of_the_wheel():
 
 @pytest.fixture(scope="module")
 def heavy_haul():
-    return RigidGeometry.of(Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B")))
+    return RigidGeometry.of(*HEAVY_HAUL)
 
 
 @pytest.mark.parametrize("radius", [0.01, 300.0])
@@ -112,7 +117,7 @@ def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
 
 def test_points_agree_in_all_frames(heavy_haul):
     """Points of contact in the frames of both profiles are the same point of the track."""
-    track, wheelset = Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B"))
+    track, wheelset = HEAVY_HAUL
     locus = heavy_haul.locus([-8.6, 3.0, 9.5])
     for number in range(3):
         motion = locus.motion(number)
@@ -155,7 +160,7 @@ def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
 
 def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
     """An S1002's flange root touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found."""
-    values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}
+    values = {"radius_mm": 460.0, "wheelset.left.radius_mm": 459.0, "radius_at": "tape-line"}
     wheelset = find_geometry_case("s1002-60e1", values).geometry()
     jumps = wheelset.jumps(6.7)
     assert {jump.side for jump in jumps} == {"left", "right"}
@@ -337,7 +342,7 @@ def smallest_gap(curves, profile, rail_curve, sign, locus, yaw):
 def test_yaw_against_brute_force():
     """Wheels of revolution, yawed, touch prismatic rails where brute force over their surfaces finds the least gap."""
     yaw, lateral = 0.2, 3.0
-    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    track, wheelset = Track(), WheelPair(back_to_back_mm=1360.0)
     plain, curves = (RigidGeometry.of(track, wheelset, each) for each in (0.0, yaw))
     locus = curves.locus([lateral])
     for side, sign in (("right", 1.0), ("left", -1.0)):
@@ -348,7 +353,7 @@ def test_yaw_against_brute_force():
 
 def test_contact_ahead_of_the_axle():
     """An outer wheel that is behind, so that it runs against its rail, touches ahead of the axle at the flange."""
-    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    track, wheelset = Track(), WheelPair(back_to_back_mm=1360.0)
     attack = RigidGeometry.of(track, wheelset, -0.02).locus([6.5])
     angle = float(attack.right.contact_angles_rad[0, 0] - attack.roll_rad[0])
     profile_angle = math.asin(math.sin(angle) * math.cos(0.02))

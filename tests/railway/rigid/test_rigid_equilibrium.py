@@ -6,15 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.case_file import load_case
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
-from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
-from flangeway.railway.track.placements import SIDES, Track, Wheelset
-from flangeway.railway.track.wheelset_problem import WheelsetLoad, curve_force_N, superelevation_angle
+from flangeway.railway.track.loads import WheelsetLoad, curve_force_N, superelevation_angle
+from flangeway.railway.track.placements import SIDES, Track, WheelPair
 
 WEIGHT = 300e3
 CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
@@ -22,7 +21,10 @@ CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
 
 @pytest.fixture(scope="module")
 def usual():
-    return RigidGeometry.of(Track(rail("136RE"), gauge_at="narrowest"), Wheelset(wheel("AAR-1B")))
+    return RigidGeometry.of(
+        Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),
+        WheelPair(wheel="AAR-1B", back_to_back_mm=1515.0, radius_mm=500.0, radius_at="flange-tip"),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -36,16 +38,16 @@ def hollow():
     head = np.sqrt(100.0**2 - x**2)
     rail_curve = RigidCurve.from_graph(750.0 + x, head - 100.0, -x / head)
     side = RigidSide(wheel_curve, rail_curve)
-    return RigidGeometry(side, side, 460.0, 500.0)
+    return RigidGeometry(side, side, 460.0)
 
 
 def residual(wheelset, position, load):
     """Forces and moment about the origin of the track that are left, over the weight."""
     along, onto = load.in_track
     total = np.array([along, -onto])
-    motion, height = position.motion, wheelset.centre_of_gravity_height_mm
-    x = motion.lateral_mm - height * math.sin(motion.roll_rad)
-    y = wheelset.reference_height_mm + motion.vertical_mm + height * math.cos(motion.roll_rad)
+    motion = position.motion
+    x, y = load.centre_of_gravity(motion.roll_rad)
+    x, y = x + motion.lateral_mm, y + wheelset.reference_height_mm + motion.vertical_mm
     moment = -x * onto - y * along
     for point in position.contacts:
         force = np.array(point.force_on_wheel_N)
@@ -89,7 +91,7 @@ def test_in_the_curve_the_outer_wheel_bears_on_two_points(usual):
 
 def potential(wheelset, load, locus):
     along, onto = load.in_track
-    height = wheelset.centre_of_gravity_height_mm
+    height = load.height_mm
     x = locus.lateral_mm - height * np.sin(locus.roll_rad)
     y = wheelset.reference_height_mm + locus.vertical_mm + height * np.cos(locus.roll_rad)
     return onto * y - along * x
@@ -98,7 +100,7 @@ def potential(wheelset, load, locus):
 @pytest.mark.parametrize("lateral_N", [-20e3, 7e3])
 def test_a_steady_balance_is_the_minimum_of_the_potential(hollow, lateral_N):
     """Where no contact jumps, the equilibrium is where the potential of the load is least, with one contact a side."""
-    load = WheelsetLoad(WEIGHT, lateral_N)
+    load = WheelsetLoad(WEIGHT, lateral_N, height_mm=500.0)
     found = rigid_equilibrium(hollow, load)
     position = found.position
     assert len(position.contacts) == 2
@@ -147,24 +149,24 @@ def test_overturning_is_said_with_the_ratio_at_which_it_begins(usual):
 
 def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
     """A force low enough not to overturn, but too large for the flange, climbs it; a little below it is held."""
-    low = replace(usual, centre_of_gravity_height_mm=-usual.reference_height_mm)
-    failed = rigid_equilibrium(low, WheelsetLoad(WEIGHT, 3.0 * WEIGHT))
+    low = WheelsetLoad(WEIGHT, height_mm=-usual.reference_height_mm)
+    failed = rigid_equilibrium(usual, replace(low, lateral_N=3.0 * WEIGHT))
     assert not failed.status.converged
     assert "L/V 3.000, which no position holds: the right flange climbs" in failed.status.message
     held = float(failed.status.message.split("L/V up to ")[1].split(" ")[0])
     # the steepest part of the flange has 75 degrees and its inclination adds nothing to the wheel
     assert 1.5 < held < math.tan(math.radians(75.5))
-    assert rigid_equilibrium(low, WheelsetLoad(WEIGHT, 0.97 * held * WEIGHT)).status.converged
-    assert not rigid_equilibrium(low, WheelsetLoad(WEIGHT, 1.03 * held * WEIGHT)).status.converged
+    assert rigid_equilibrium(usual, replace(low, lateral_N=0.97 * held * WEIGHT)).status.converged
+    assert not rigid_equilibrium(usual, replace(low, lateral_N=1.03 * held * WEIGHT)).status.converged
 
 
 def test_all_balances_are_given(usual):
     """Beside the equilibrium in the flange root there is the unstable one on the top of the climbing flange."""
-    low, load = replace(usual, centre_of_gravity_height_mm=0.0), WheelsetLoad(WEIGHT, 150e3)
-    found = rigid_equilibrium(low, load)
+    load = WheelsetLoad(WEIGHT, 150e3, height_mm=0.0)
+    found = rigid_equilibrium(usual, load)
     assert [each.stable for each in found.positions] == [True, False]
     assert found.positions[0].motion.lateral_mm == pytest.approx(found.position.motion.lateral_mm)
-    assert all(residual(low, each, load) < 1e-8 for each in found.positions)
+    assert all(residual(usual, each, load) < 1e-8 for each in found.positions)
 
 
 def test_the_elastic_estimate_is_hertz_for_a_force_per_thickness(usual):
@@ -184,34 +186,32 @@ def test_the_force_of_the_curve():
     assert curve_force_N(30e3 * 9.80665, 70.0, 400.0) == pytest.approx(28.36e3, rel=1e-3)
 
 
-@pytest.mark.parametrize("rail_inclination", [1 / 40, 1 / 100])
-def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(rail_inclination: float) -> None:
+@pytest.mark.parametrize("inclination", [1 / 40, 1 / 100])
+def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(inclination: float) -> None:
     """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(slope)) from its middle, to 1 µm."""
-    start = rigid_start(
-        WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "rail_inclination": rail_inclination}).problem()
-    )
+    start = rigid_start(load_case("wheelset-tangent", inclination=inclination))
     on_rail = start.near_points(0.01, 0.0)["rail-right"]
-    assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(rail_inclination)), abs=1e-3)
+    assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(inclination)), abs=1e-3)
     assert start.relative_curvature_per_mm == pytest.approx(1 / 254.0)
     assert (start.motion.lateral_mm, start.motion.roll_rad) == (0.0, pytest.approx(0.0, abs=1e-15))
 
 
 def test_in_the_curve_the_flange_side_has_a_second_place() -> None:
     """In the curve tread and flange root touch on the right, the tread on the left, each on both curves."""
-    problem = WheelsetCurveCase().problem()
+    problem = load_case("wheelset-curve")
     start = rigid_start(problem)
     near = start.near_points(1e-3, 0.0)
     assert [len(near[f"wheel-{side}"]) for side in SIDES] == [1, 2]
     for side in SIDES:
         on_wheel, on_rail = near[f"wheel-{side}"], near[f"rail-{side}"]
-        wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
+        wheel, rail = problem.wheels.wheel_of(side), problem.track.rail_of(side)
         assert wheel.outline.closest(on_wheel)[2].max() < 1e-6
         assert rail.outline.closest(on_rail)[2].max() < 1e-6
 
 
 def test_a_prescribed_lateral_motion_is_taken() -> None:
     """The start at a prescribed lateral displacement has it; no equilibrium is computed."""
-    start = rigid_start(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
+    start = rigid_start(load_case("wheelset-tangent", lateral_mm=5.0))
     assert start.motion.lateral_mm == pytest.approx(5.0, abs=1e-9)
     assert start.equilibrium is None
 
@@ -219,7 +219,7 @@ def test_a_prescribed_lateral_motion_is_taken() -> None:
 def test_where_a_rigid_flange_climbs_the_start_is_before_it() -> None:
     """S1002 on 60E1: from 6.9 mm a flange climbs by 70 degrees; a prescribed 8 mm starts before, 5 mm where it is."""
     values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
-    problems = [WheelsetTangentCase.from_values({**values, "lateral_mm": y}).problem() for y in (5.0, 8.0, -8.0)]
+    problems = [load_case("wheelset-tangent", **values, lateral_mm=y) for y in (5.0, 8.0, -8.0)]
     before, right, left = (rigid_start(problem).motion for problem in problems)
     assert before.lateral_mm == pytest.approx(5.0)
     assert 6.5 < right.lateral_mm < 7.0

@@ -7,16 +7,15 @@ import pytest
 from shapely import Polygon
 from shapely.affinity import translate
 
-from flangeway.cases import SpatialWheelsetCase
+from flangeway.cases.case_file import load_case
 from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
-from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import SIDES
 
 
-def worn_pair(folder, seed: int) -> dict[str, str]:
+def worn_pair(folder, seed: int) -> dict[str, dict[str, str]]:
     """A 60E1 whose gauge face S1002 wheels have cut, measured some 15 mm deep, and an S1002 with a hollow tread."""
     random = np.random.default_rng(seed)
     side, down, hang, reach, hollow = (
@@ -45,17 +44,18 @@ def worn_pair(folder, seed: int) -> dict[str, str]:
     files = {"rail": folder / f"worn{seed}.ban", "wheel": folder / f"worn{seed}.whl"}
     for kind, text in texts.items():
         files[kind].write_text(text)
-    return {kind: str(file) for kind, file in files.items()} | {"rail_body": "60E1", "wheel_body": "S1002"}
+    bodies = {"rail": "60E1", "wheel": "S1002"}
+    return {kind: {"file": str(file), "body": bodies[kind]} for kind, file in files.items()}
 
 
 def case_of(folder, seed: int, **inputs):
-    values = {"gauge_at": "narrowest", "rail_inclination": 0.05, "lateral_force_kN": 20.0}
+    values = {"gauge_at": "narrowest", "inclination": 0.05, "lateral_force_kN": 20.0}
     return find_geometry_case("wheelset", worn_pair(folder, seed) | values | inputs)
 
 
 def overlap_mm2(case, position) -> float:
     """Area in which wheels and rails overlap in a position, by polygons of their outlines."""
-    track, axle = case.track(), case.wheelset()
+    track, axle = case.track, case.wheels
     area = 0.0
     for side in SIDES:
         on_rail = track.placement(side).points(track.rail_of(side).outline.sampled(spacing=0.1))
@@ -68,8 +68,8 @@ def overlap_mm2(case, position) -> float:
 def test_a_flange_deeper_than_the_worn_face_stands(tmp_path, seed):
     """Under L/V 0.1 the wheelset stands on its flange in equilibrium, and wheels and rails do not overlap."""
     case = case_of(tmp_path, seed)
-    geometry = RigidGeometry.of(case.track(), case.wheelset())
-    equilibrium = rigid_equilibrium(geometry, case.load())
+    geometry = case.geometry()
+    equilibrium = rigid_equilibrium(geometry, case.forces)
     position = equilibrium.reached()
     forces = sum(np.array(point.force_on_wheel_N) for point in position.contacts)
     assert forces == pytest.approx((-20e3, 200e3), rel=1e-6)
@@ -83,8 +83,8 @@ def test_a_flange_deeper_than_the_worn_face_stands(tmp_path, seed):
 @pytest.mark.ci
 def test_such_a_pair_runs(tmp_path):
     """The elastic wheelset of such a pair is in equilibrium under L/V 0.1."""
-    inputs = worn_pair(tmp_path, 5) | {"gauge_at": "narrowest", "rail_inclination": 0.05, "lateral_force_kN": 20.0}
-    run = SpatialWheelsetCase.from_values(inputs | {"size_scale": 3.0, "patch_cells": 14}).run()
+    inputs = worn_pair(tmp_path, 5) | {"gauge_at": "narrowest", "inclination": 0.05, "lateral_force_kN": 20.0}
+    run = load_case("wheelset", **inputs, size_scale=3.0, patch_cells=14).run()
     assert run.status.converged, run.status.message
     total = sum(run.result.force_on_wheel_N(side) for side in SIDES)
     assert total == pytest.approx((-20e3, 200e3), rel=1e-5)
@@ -94,9 +94,9 @@ def test_the_end_of_a_search_is_told_from_climbing():
     """On a track 80 mm too wide the rim of one wheel ends before the other flange touches: no flange climbs."""
     inputs = {"gauge_mm": 1515.0, "back_to_back_mm": 1360.0, "lateral_force_kN": 20.0, "maximum_lateral_mm": 60.0}
     case = find_geometry_case("wheelset", inputs | {"step_mm": 0.5})
-    geometry = RigidGeometry.of(case.track(), case.wheelset())
+    geometry = case.geometry()
     assert math.degrees(geometry.right.flange_angle_rad()) == pytest.approx(70.0, abs=0.01)
-    status = rigid_equilibrium(geometry, case.load()).status
+    status = rigid_equilibrium(geometry, case.forces).status
     assert not status.converged
     assert "climbs" not in status.message
     assert "the rim of the" in status.message
@@ -107,8 +107,8 @@ def test_the_end_of_a_search_is_told_from_climbing():
 def test_a_climbing_flange_is_named():
     """S1002 on 60E1 under L/V beyond what its flange holds, low centre of gravity: the flange climbs, at 70 degrees."""
     case = find_geometry_case("wheelset", {"lateral_force_kN": 620.0, "centre_of_gravity_height_mm": -459.0})
-    geometry = RigidGeometry.of(case.track(), case.wheelset())
-    status = rigid_equilibrium(geometry, case.load()).status
+    geometry = case.geometry()
+    status = rigid_equilibrium(geometry, case.forces).status
     assert not status.converged
     assert "climbs" in status.message
     assert "flange angle 70.0 deg" in status.message

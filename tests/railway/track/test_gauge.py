@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from flangeway.campaign import Campaign
-from flangeway.cases import SpatialWheelsetCase, WheelsetTangentCase
+from flangeway.cases import Wheelset
+from flangeway.cases.case_file import load_case
 from flangeway.cases.rigid_run import find_geometry_case, run_geometry
-from flangeway.cases.wheelset.wheelset_inputs import profile_named
 from flangeway.errors import InputError
 from flangeway.live.engine import LiveEngine
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
-from flangeway.railway.track.placements import SIDES, Track, usual_gauge
+from flangeway.railway.profiles.named import RailFile, profile_of
+from flangeway.railway.track.placements import SIDES, RailSide, Track, usual_gauge
 from flangeway.report.wheelset.wheelset_page import results_table
 
 
@@ -48,8 +49,10 @@ def worn_file(folder, seed: int, name: str = "60E1") -> str:
 def test_gauge_is_measured_within_14_mm_on_inclined_and_worn_rails(tmp_path, seed):
     """A random worn rail and its new partner at a random inclination are the gauge apart within 14 mm of their tops."""
     random = np.random.default_rng(seed)
-    worn = profile_named(worn_file(tmp_path, seed), "rail", body="60E1")
-    track = Track(worn, 1435.0 + random.uniform(-5.0, 20.0), random.uniform(0.0, 0.06), rail("60E1"))
+    track = Track(
+        rail=RailFile(file=worn_file(tmp_path, seed), body="60E1"), left=RailSide(rail="60E1"),
+        gauge_mm=1435.0 + random.uniform(-5.0, 20.0), inclination=random.uniform(0.0, 0.06),
+    )  # fmt: skip
     assert own_gauge(heads_of(track), 14.0) == pytest.approx(track.gauge_mm, abs=2e-3)
     assert track.measured_gauge_mm == pytest.approx(track.gauge_mm, abs=1e-9)
     for side, points in zip(SIDES, heads_of(track), strict=True):
@@ -61,8 +64,8 @@ def test_gauge_is_measured_within_14_mm_on_inclined_and_worn_rails(tmp_path, see
 @pytest.mark.parametrize("seed", range(2))
 def test_a_worn_rail_may_stand_where_it_stood_new(tmp_path, seed):
     """At the gauge of the unworn head a worn rail stands as the new one, and its own gauge is wider by its wear."""
-    worn = profile_named(worn_file(tmp_path, seed), "rail", body="60E1")
-    track, new = (Track(each, 1435.0, gauge_at="unworn") for each in (worn, rail("60E1")))
+    worn = RailFile(file=worn_file(tmp_path, seed), body="60E1")
+    track, new = (Track(rail=each, gauge_at="unworn") for each in (worn, "60E1"))
     assert track.placement("right") == new.placement("right")
     assert track.measured_gauge_mm == pytest.approx(own_gauge(heads_of(track), 14.0), abs=2e-3)
     assert track.measured_gauge_mm > 1435.5
@@ -71,20 +74,20 @@ def test_a_worn_rail_may_stand_where_it_stood_new(tmp_path, seed):
 @pytest.mark.parametrize("inclination", [0.0, 0.025, 0.05])
 def test_the_narrowest_place_is_an_option(inclination):
     """At the narrowest place, the heads' closest points at any depth are the gauge apart."""
-    track = Track(rail("60E1"), 1435.0, inclination, gauge_at="narrowest")
+    track = Track(rail="60E1", inclination=inclination, gauge_at="narrowest")
     assert own_gauge(heads_of(track), math.inf) == pytest.approx(1435.0, abs=2e-3)
     assert track.measured_gauge_mm == pytest.approx(own_gauge(heads_of(track), 14.0), abs=2e-3)
 
 
-def test_depth_of_the_gauge_by_units():
-    """EN 13848-1 measures 14 mm below the top, North America 5/8 in; a stated depth is taken in both units."""
+def test_depth_of_the_gauge():
+    """EN 13848-1 measures 14 mm below the top; another depth is taken in both units."""
     for inputs, depth in (
         ({}, 14.0),
-        ({"units": "us"}, 15.875),
-        ({"units": "us", "gauge_depth_in": 0.5}, 12.7),
+        ({"units": "us"}, 14.0),
+        ({"units": "us", "gauge_depth_in": 0.625}, 15.875),
         ({"gauge_depth_mm": 10.0}, 10.0),
     ):
-        track = SpatialWheelsetCase.from_values(inputs).track()
+        track = load_case("wheelset", **inputs).track
         assert own_gauge(heads_of(track), depth) == pytest.approx(1435.0, abs=2e-3)
 
 
@@ -99,23 +102,22 @@ def test_all_commands_measure_the_same_gauge(tmp_path):
     assert own_gauge(fine, 14.0) == pytest.approx(1435.0, abs=0.1)  # drawn to some hundredths of a millimetre
     file = tmp_path / "few.toml"
     file.write_text('case = "wheelset"\n[vary]\nlateral_mm = [0.0, 1.0]\n')
-    cases = [SpatialWheelsetCase.from_values({}), find_geometry_case("wheelset", {})]
-    cases += [SpatialWheelsetCase.from_values({"model": "plane"}).plane()]
+    cases = [Wheelset(), find_geometry_case("wheelset", {}), Wheelset(contact="plane")]
     cases += [row.case for row in Campaign.from_file(file).rows]
     for case in cases:
-        assert own_gauge(heads_of(case.track()), 14.0) == pytest.approx(1435.0, abs=2e-3)
+        assert own_gauge(heads_of(case.track), 14.0) == pytest.approx(1435.0, abs=2e-3)
 
 
 def test_the_published_plane_wheelset_keeps_its_definition():
     """Moherdaui (2021) measures 1600 mm between the closest points of the heads."""
-    for case in (WheelsetTangentCase.from_values({}), find_geometry_case("wheelset-tangent", {})):
-        assert own_gauge(heads_of(case.track()), math.inf) == pytest.approx(1600.0, abs=2e-3)
+    for case in (load_case("wheelset-tangent"), find_geometry_case("wheelset-tangent", {})):
+        assert own_gauge(heads_of(case.track), math.inf) == pytest.approx(1600.0, abs=2e-3)
 
 
 def test_the_place_of_the_gauge_is_reported():
     """Results have the depth of the gauge point and the gauge of the heads as they are."""
-    coarse = {"size_scale": 6.0, "order": 1, "rail_support": "continuous", "patch_cells": 10}
-    run = SpatialWheelsetCase.from_values(coarse | {"gauge_at": "narrowest"}).run()
+    coarse = {"size_scale": 6.0, "order": 1, "support": "continuous", "patch_cells": 10}
+    run = load_case("wheelset", **coarse, gauge_at="narrowest").run()
     summary = run.parts()
     own = own_gauge(heads_of(run.problem.track), 14.0)
     assert summary["track"]["measured_gauge_mm"] == pytest.approx(own, abs=2e-3)
@@ -128,11 +130,11 @@ def test_the_place_of_the_gauge_is_reported():
 def test_unknown_unworn_heads_and_shallow_heads_are_refused(tmp_path):
     """A head on a plain body has no unworn head, and one that ends above the depth of the gauge has no gauge there."""
     file = worn_file(tmp_path, 3)
-    plain = profile_named(file, "rail", body="plain")
+    plain = profile_of(RailFile(file=file, body="plain"), "rail")
     with pytest.raises(InputError, match="unworn"):
-        Track(plain, 1435.0, gauge_at="unworn").placement("right")
+        Track(rail=plain, gauge_at="unworn").placement("right")
     with pytest.raises(InputError, match="gauge_depth_mm"):
-        Track(plain, 1435.0, gauge_depth_mm=60.0).placement("right")
+        Track(rail=plain, gauge_depth_mm=60.0).placement("right")
 
 
 @pytest.mark.parametrize("gauge", [1000.0, 1067.0, 1372.0, 1524.0, 1672.0, 1676.0])

@@ -1,6 +1,5 @@
 """Rails on sleepers along the track, beside beams, equilibrium, and what regulations call typical of good track."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,10 +13,10 @@ from flangeway.mesh import dual, triangulate
 from flangeway.post.section_constants import section_constants
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import rail
+from flangeway.railway.track.supports import Continuous, Seats, Sleepers
 from flangeway.railway.wheelset.supported_rail import (
     LoadedRail,
     RailAlongTrack,
-    RailSupport,
     SupportedRail,
     narrowest_web,
     rail_problem,
@@ -35,12 +34,12 @@ BETWEEN = (0.0, 0.5)
 """Positions of the wheel over a sleeper and in the middle between two."""
 
 
-USUAL = RailSupport()
+USUAL = Sleepers()
 PLACES = np.arange(-2100.0, 2101.0, 75.0)
 
 
 @cache
-def rail_on(name: str = "60E1", support: RailSupport = USUAL) -> SupportedRail:
+def rail_on(name: str = "60E1", support: Seats = USUAL) -> SupportedRail:
     return supported_rail(rail(name), Elastic(YOUNG, POISSON), support, SIZE)
 
 
@@ -56,13 +55,13 @@ def on_head(name: str, depth: float = 0.0) -> np.ndarray:
 def loaded(
     forces: tuple[tuple[float, float, float, float], ...],
     name: str = "60E1",
-    support: RailSupport = USUAL,
+    support: Seats = USUAL,
     position: float = 0.0,
 ) -> RailAlongTrack:
     """Rail under forces, each with the depth of its point on the gauge side of the head."""
     points = np.array([on_head(name, depth) for depth, *_ in forces])
     on_head_of = np.array([each for _, *each in forces])
-    own = rail_on(name, replace(support, position=position))
+    own = rail_on(name, support.replaced(position=position) if position else support)
     return rails_along_track(own, rail(name), [LoadedRail(points, on_head_of)], z_mm=PLACES)[0]
 
 
@@ -118,7 +117,7 @@ def constants(name: str):
     return section_constants(rail_on(name).problem.elasticity.space, poisson=POISSON)
 
 
-def beam_of(name: str, support: RailSupport) -> Beam:
+def beam_of(name: str, support: Seats) -> Beam:
     """The rail as a beam; its base, along z, turns with the section."""
     section = constants(name)
     beam = Beam(YOUNG * section.second_moments[0], SHEAR_FACTOR * YOUNG / (2.0 + 2.0 * POISSON) * section.area)
@@ -132,7 +131,7 @@ def beam_of(name: str, support: RailSupport) -> Beam:
 def test_deflection_and_reactions_are_those_of_a_beam_on_sleepers(position, seat_kN_per_mm, n_sleepers) -> None:
     """Base, head and reactions along 3 m are Timoshenko's to 1.5, 3 and 1.5 % of the maxima; soft seats are more."""
     name = "60E1"
-    support = RailSupport(vertical_kN_per_mm=seat_kN_per_mm, position=position)
+    support = Sleepers(vertical_kN_per_mm=seat_kN_per_mm, position=position)
     found = loaded(((0.0, 0.0, -LOAD, 0.0),), name, support, position)
     assert len(found.sleepers_mm) == n_sleepers
     beam = beam_of(name, support).on_seats(found.sleepers_mm, 1e3 * seat_kN_per_mm, support.pad_length_mm)
@@ -150,7 +149,7 @@ def test_deflection_and_reactions_are_those_of_a_beam_on_sleepers(position, seat
 
 def test_deflection_and_bending_stress_on_a_continuous_support_are_those_of_a_beam() -> None:
     """Base and stress under the foot are Timoshenko's beam's on Winkler's foundation to 1.5 and 3 % of the maxima."""
-    support = RailSupport("continuous")
+    support = Continuous()
     found = loaded(((0.0, 0.0, -LOAD, 0.0),), support=support)
     beam = beam_of("60E1", support).continuous(30e3 / 600.0)
     deflection, moments = beam.under(-LOAD)
@@ -182,7 +181,7 @@ def test_reactions_are_in_equilibrium_with_the_load(position) -> None:
 def test_a_force_along_the_track_is_in_equilibrium_with_the_sleepers_before_and_behind() -> None:
     """Its moments about x and y, with its reaction at the base, are those of the sleepers to 2 %."""
     along = 20e3
-    held_along = replace(USUAL, longitudinal_kN_per_mm=1000.0)  # within 1 m
+    held_along = USUAL.replaced(longitudinal_kN_per_mm=1000.0)  # within 1 m
     found = loaded(((14.0, 0.0, 0.0, along),), support=held_along)
     x, y = on_head("60E1", 14.0)
     height = y - rail("60E1").outline.bounds()[0, 1]
@@ -197,10 +196,10 @@ def test_what_sleepers_change_is_the_difference_of_both_rails() -> None:
     name = "60E1"
     points = np.array([on_head(name), on_head(name, 14.0)])
     turned = np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
-    continuous = RailSupport("continuous")
+    continuous = Continuous()
     assert not sleeper_compliance(rail_on(name, continuous), points, np.stack((np.eye(3),) * 2)).any()
     for position in BETWEEN:
-        on_sleepers = rail_on(name, replace(USUAL, position=position))
+        on_sleepers = rail_on(name, USUAL.replaced(position=position))
         change = sleeper_compliance(on_sleepers, points, np.stack((np.eye(3),) * 2))
         np.testing.assert_allclose(change, change.transpose(2, 3, 0, 1), rtol=0.0, atol=1e-9 * np.abs(change).max())
         frames = np.stack((turned, np.eye(3)))
@@ -267,7 +266,7 @@ def test_points_off_the_rail_and_forces_that_do_not_fit_are_refused() -> None:
 
 def test_loads_that_reach_beyond_all_sleepers_are_refused() -> None:
     """On supports so soft that a rail spreads its load over more than 101 of them, the error says what to change."""
-    support = replace(USUAL, vertical_kN_per_mm=1e-4)
+    support = USUAL.replaced(vertical_kN_per_mm=1e-4)
     coarse = supported_rail(rail("60E1"), Elastic(YOUNG, POISSON), support, 3.0 * SIZE)
     with pytest.raises(InputError, match="101 sleepers"):
         sleeper_compliance(coarse, on_head("60E1")[None], np.eye(3)[None])
@@ -284,7 +283,7 @@ def test_the_web_of_bundled_rails_has_its_nominal_thickness(name, thickness, hei
 
 
 STEEL = Elastic(210e3, 0.3)
-SUPPORT = RailSupport(spacing_mm=500.0, vertical_kN_per_mm=30.0, lateral_kN_per_mm=20.0, roll_kNm_per_rad=90.0)
+SUPPORT = Sleepers(spacing_mm=500.0, vertical_kN_per_mm=30.0, lateral_kN_per_mm=20.0, roll_kNm_per_rad=90.0)
 
 
 @pytest.mark.parametrize("element", [Lagrange(2), Virtual(1)])
@@ -319,7 +318,7 @@ def test_the_support_covers_the_whole_base() -> None:
 
 def test_sleepers_lie_about_the_wheel() -> None:
     """The last sleeper is behind the wheel by its position, as many are before as behind, none if continuous."""
-    places = RailSupport(position=0.25).sleepers_mm(5)
+    places = Sleepers(position=0.25).sleepers_mm(5)
     np.testing.assert_allclose(places, [-1350.0, -750.0, -150.0, 450.0, 1050.0])
-    np.testing.assert_allclose(RailSupport(position=0.75).sleepers_mm(5), -places[::-1])
-    assert len(rail_on(support=RailSupport("continuous")).sleepers_mm) == 0
+    np.testing.assert_allclose(Sleepers(position=0.75).sleepers_mm(5), -places[::-1])
+    assert len(rail_on(support=Continuous()).sleepers_mm) == 0

@@ -12,21 +12,23 @@ from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.rigid.conicity import klingel_wavelength
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
-from flangeway.railway.track.wheelset_problem import Prescribed
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.railway.wheelset.spatial_result import solve_position
 from tests.railway.wheelset.conftest import coarse_case
 
-ROLLS = {"speed_km_h": 72.0, "friction": 0.3, "rolling_theory": "fastsim"}
+ROLLS = {"rolling.speed_km_h": 72.0, "friction": 0.3, "theory": "fastsim"}
+IN_CURVE = {key: value for key, value in ROLLS.items() if key != "rolling.speed_km_h"}
+
+
+def curve(radius_m, **more):
+    """A curve at the same speed."""
+    return {"curve": {"radius_m": radius_m, "speed_km_h": 72.0} | more}
 
 
 def solved(wheelset, **inputs):
-    one = coarse_case(**inputs)
-    model = one.spatial_model()
-    prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
-    found = solve_position(wheelset.at(one.load(), prescribed, model.yaw_rad, model.rolling), {})
+    found = solve_position(wheelset.at(coarse_case(**inputs)), {})
     assert found.status.converged, found.status.message
     return found
 
@@ -52,8 +54,8 @@ def test_in_the_middle_of_straight_track_it_rolls_without_longitudinal_forces(wh
 
 def test_a_position_and_its_mirror_image(wheelset):
     """Lateral position, yaw and curve of the other sign exchange left and right."""
-    one = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, curve_radius_m=800.0, **ROLLS)
-    other = solved(wheelset, lateral_mm=-2.0, yaw_mrad=-1.0, curve_radius_m=-800.0, **ROLLS)
+    one = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, **curve(800.0), **IN_CURVE)
+    other = solved(wheelset, lateral_mm=-2.0, yaw_mrad=-1.0, **curve(-800.0), **IN_CURVE)
     forces, mirrored = resultants(one), resultants(other)[::-1]
     assert forces == pytest.approx(mirrored, rel=1e-3, abs=1e-4 * np.abs(forces).max())
     rolled, opposite = one.equilibrium.state.rolled, other.equilibrium.state.rolled
@@ -65,8 +67,8 @@ def test_a_position_and_its_mirror_image(wheelset):
 @pytest.mark.parametrize(
     ("conformity_deg", "inputs"),
     [
-        (6.0, {"lateral_mm": 2.0, "yaw_mrad": 2.0, "curve_radius_m": 500.0, "torque_kNm": 3.0}),
-        (16.0, {"yaw_mrad": -4.0}),
+        (6.0, {"lateral_mm": 2.0, "yaw_mrad": 2.0, "torque_kNm": 3.0} | curve(500.0) | IN_CURVE),
+        (16.0, {"yaw_mrad": -4.0} | ROLLS),
     ],
     ids=["crown", "flange root"],
 )
@@ -76,15 +78,15 @@ def test_power_of_friction_is_the_work_on_the_wheelset(wheelset, conformity_deg,
     Friction moves pressures ahead or back: their torque is that by which they resist rolling.
     """
     moving = {"yaw_rate_mrad_per_s": 5.0, "lateral_velocity_mm_per_s": 20.0}
-    found = solved(wheelset, **ROLLS | {"rolling_theory": "exact"}, **inputs, **moving)
-    motion, rolled = found.wheelset.model.rolling, found.equilibrium.state.rolled
+    found = solved(wheelset, **inputs | {"theory": "exact"}, **moving)
+    problem, rolled = found.problem, found.equilibrium.state.rolled
     assert max(each.conformity_deg for each in found.patches) == pytest.approx(conformity_deg, rel=0.3)
     work = 0.0
     for side in SIDES:
         force, moment, torque = np.split(rolled.creep[side].resultant, [3, 6])
         sign = SIDE_SIGN[side]
-        work -= force[2] * motion.speed_m_s + sign * force[0] * motion.lateral_velocity_m_s
-        work -= 1e-3 * (rolled.rate_rad_s * float(torque[0]) - sign * moment[1] * motion.turning_rad_s)
+        work -= force[2] * problem.speed_m_s + sign * force[0] * 1e-3 * problem.rolling.lateral_velocity_mm_per_s
+        work -= 1e-3 * (rolled.rate_rad_s * float(torque[0]) - sign * moment[1] * problem.turning_rad_s)
     power = sum(creep.power_W for _, creep in found.rolling)
     assert power > 1000.0
     assert power == pytest.approx(work, rel=1e-9)
@@ -104,7 +106,7 @@ def test_power_of_friction_is_the_work_on_the_wheelset(wheelset, conformity_deg,
 def test_creepages_do_not_depend_on_the_speed(wheelset):
     """On straight track all forces are those of another speed, and the rate of rotation grows with it."""
     slow = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS)
-    fast = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS | {"speed_km_h": 216.0})
+    fast = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS | {"rolling.speed_km_h": 216.0})
     assert resultants(slow) == pytest.approx(resultants(fast), rel=1e-4, abs=10.0)
     rates = [each.equilibrium.state.rolled.rate_rad_s for each in (slow, fast)]
     assert rates[1] == pytest.approx(3.0 * rates[0], rel=1e-6)
@@ -117,7 +119,7 @@ def test_little_friction_is_nearly_none(wheelset):
     one, other = (np.array(each.equilibrium.position.components) for each in (plain, found))
     assert one == pytest.approx(other, abs=1e-4)
     assert all(creep.used_friction <= 1e-4 * (1.0 + 1e-6) for _, creep in found.rolling)
-    none = solved(wheelset, lateral_mm=3.0, speed_km_h=72.0, friction=0.0)
+    none = solved(wheelset, lateral_mm=3.0, **ROLLS | {"friction": 0.0})
     assert none.equilibrium.position == plain.equilibrium.position
     assert none.rolling == []
 
@@ -128,7 +130,7 @@ def test_the_exact_theory_is_linear_at_small_yaw(wheelset):
     slopes = []
     for theory in ("exact", "linear"):
         ends = [
-            solved(wheelset, lateral_mm=0.0, yaw_mrad=yaw, **ROLLS | {"rolling_theory": theory, "friction": 0.9})
+            solved(wheelset, lateral_mm=0.0, yaw_mrad=yaw, **ROLLS | {"theory": theory, "friction": 0.9})
             for yaw in (-0.05, 0.05)
         ]
         slopes.append(sum(each.creep_force_on_wheel_N[0] for each in ends[1].patches))
@@ -139,8 +141,8 @@ def test_the_exact_theory_is_linear_at_small_yaw(wheelset):
 
 def test_free_in_a_wide_curve_it_rolls_kinematically(wheelset):
     """Without yaw stiffness, radii differ by ``r (x_right - x_left) / R`` (Redtenbacher, 1855); the yaw is radial."""
-    curve = {"curve_radius_m": 3000.0, "superelevation_mm": "from-speed"}
-    found = solved(wheelset, **curve, yaw_stiffness_kNm_per_mrad=0.0, **ROLLS)
+    balanced = curve(3000.0, superelevation_mm="from-speed")
+    found = solved(wheelset, **balanced, yaw_stiffness_kNm_per_mrad=0.0, **IN_CURVE)
     radii = {each.side: each.rolling_radius_mm for each in found.patches}
     places = {each.side: each.centre_mm[0] for each in found.patches}
     wanted = 460.0 * (places["right"] - places["left"]) / 3e6
@@ -177,11 +179,12 @@ def test_a_driven_axle_holds_its_torque_by_friction_that_falls_in_a_tight_curve(
 
     Forces of the patches times the tape radius carry it to 2 %, and a faster axle is driven less.
     """
-    inputs = {"lateral_mm": 0.0, "curve_radius_m": -120.0, "friction": 0.09, "kinetic_friction": 0.039}
-    falling = {"friction_decay_m_per_s": 2.0, "rolling_theory": "fastsim"}
+    falling = {"kinetic": 0.039, "decay_m_per_s": 2.0}
+    rolling = {"friction": 0.09, "falling": falling, "theory": "fastsim"}
     torques = {}
     for torque in (1.6, 1.7):
-        found = solved(wheelset, speed_km_h=40.0, torque_kNm=torque, **inputs, **falling)
+        inputs = curve(-120.0, speed_km_h=40.0) | {"rolling": rolling | {"torque_kNm": torque}}
+        found = solved(wheelset, lateral_mm=0.0, **inputs)
         creep = sum(each.creep_force_on_wheel_N[2] for each in found.patches)
         assert creep == pytest.approx(1e6 * torque / 460.0, rel=0.02)
         torques[torque] = found.equilibrium.state.rolled.rate_rad_s
@@ -191,9 +194,7 @@ def test_a_driven_axle_holds_its_torque_by_friction_that_falls_in_a_tight_curve(
 @pytest.mark.ci
 def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     """Friction cannot transmit it: the status says so."""
-    one = coarse_case(lateral_mm=0.0, torque_kNm=80.0, **ROLLS)
-    model = one.spatial_model()
-    found = solve_position(wheelset.at(one.load(), Prescribed(lateral_mm=0.0), 0.0, model.rolling), {})
+    found = solve_position(wheelset.at(coarse_case(lateral_mm=0.0, torque_kNm=80.0, **ROLLS)), {})
     assert not found.status.converged
     assert "torque" in found.status.message
 
@@ -201,67 +202,74 @@ def test_a_torque_above_friction_is_no_equilibrium(wheelset):
 @pytest.mark.ci
 def test_a_flange_pushed_up_its_rail_ends_with_a_message(wheelset):
     """With a yaw of 15 mrad and friction 0.9 its flange is pushed up, or climbs, its rail: the message says so."""
-    one = coarse_case(yaw_mrad=-15.0, axle_load_kN=60.0, **ROLLS | {"friction": 0.9})
-    model = one.spatial_model()
-    found = solve_position(wheelset.at(one.load(), Prescribed(), model.yaw_rad, model.rolling), {})
+    problem = coarse_case(yaw_mrad=-15.0, axle_load_kN=60.0, **ROLLS | {"friction": 0.9})
+    found = solve_position(wheelset.at(problem), {})
     assert not found.status.converged
     assert any(words in found.status.message for words in ("up its rail", "climbs its rail"))
 
 
-def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
-    """Rows steeper than 45 degrees have their own coefficient; no speed, and inputs without friction are refused."""
-    one = coarse_case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)
-    friction = one.spatial_model().rolling.friction_on(np.array([[0.0, 1.0], [-0.9, np.sqrt(0.19)]]))
+def test_friction_of_the_gauge_face():
+    """Rows steeper than 45 degrees have their own coefficient, and a kinetic one that is less by the same factor."""
+    problem = coarse_case(**ROLLS, flange_friction=0.1, falling={"kinetic": 0.15})
+    friction = problem.friction.friction_on(np.array([[0.0, 1.0], [-0.9, np.sqrt(0.19)]]), problem.friction_of("left"))
     np.testing.assert_allclose(friction.limits[0], [0.3, 0.1])
     np.testing.assert_allclose(friction.limits[1], [0.15, 0.05])
-    for inputs in (
-        {"friction": 0.3},
-        {"friction": 0.3, "speed_km_h": 0.0},
-        {"torque_kNm": 1.0},
-        {"speed_km_h": 80.0},
-    ):
-        with pytest.raises(InputError):
-            coarse_case(**inputs).check()
-    assert one.spatial_model().rolling.torque_Nm == 0.0
+    assert problem.friction.torque == 0.0
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [
+        ({"friction": 0.3}, "rolling.speed_km_h"),
+        ({"torque_kNm": 1.0}, "rolling.speed_km_h"),
+        (ROLLS | {"rolling.speed_km_h": 0.0}, "rolling.speed_km_h"),
+        (ROLLS | curve(500.0), "load.curve.speed_km_h"),
+        (ROLLS | {"falling": {"kinetic": 0.4}}, "kinetic"),
+        (ROLLS | {"falling": {"kinetic": 0.2}, "track.left.friction": 0.1}, "kinetic"),
+    ],
+)
+def test_rolling_needs_one_speed_and_friction_that_falls(inputs, words):
+    """No speed, or two, and a kinetic coefficient above the static one of a side are refused before bodies are made."""
+    with pytest.raises(InputError, match=words):
+        coarse_case(**inputs).check()
 
 
 def test_friction_along_the_track(tmp_path):
     """Linear between the distances of a file, constant beyond; other inputs of friction go with it."""
     file = tmp_path / "friction.csv"
     file.write_text("distance_m,friction,weather\n0,0.4,dry\n100,0.4,dry\n120,0.1,wet\n")
-    rolls = {key: value for key, value in ROLLS.items() if key != "friction"}
     for distance, expected in ((-5.0, 0.4), (50.0, 0.4), (110.0, 0.25), (500.0, 0.1)):
-        case = coarse_case(**rolls, friction_file=str(file), distance_m=distance, flange_friction=0.05)
-        rolling = case.spatial_model().rolling
-        assert float(rolling.friction.static) == pytest.approx(expected)
-        assert rolling.flange_friction == 0.05
+        friction = {"file": str(file), "distance_m": distance}
+        case = coarse_case(**ROLLS | {"friction": friction}, flange_friction=0.05)
+        assert case.friction_of("right") == pytest.approx(expected)
+        assert case.friction.flange_friction == 0.05
         assert bodies_key(case) == bodies_key(coarse_case())
 
 
 @pytest.mark.parametrize(
-    ("text", "inputs", "words"),
+    ("text", "words"),
     [
-        ("distance_m,friction\n0,0.3\n0,0.2\n", {}, "do not rise"),
-        ("distance_m,friction\n0,1.3\n", {}, "out of range"),
-        ("distance_m,mu\n0,0.3\n", {}, "no column friction"),
-        ("distance_m,friction\n0,0.3\n", {"friction": 0.3}, "friction"),
-        (None, {"friction": 0.3, "distance_m": 5.0}, "friction_file"),
+        ("distance_m,friction\n0,0.3\n0,0.2\n", "do not rise"),
+        ("distance_m,friction\n0,1.3\n", "out of range"),
+        ("distance_m,mu\n0,0.3\n", "no column friction"),
+        (None, "rolling.friction.file"),
     ],
 )
-def test_wrong_friction_along_the_track_is_refused(tmp_path, text, inputs, words):
-    """Distances that do not rise, coefficients out of range, missing columns, words; two coefficients, or none."""
+def test_wrong_friction_along_the_track_is_refused(tmp_path, text, words):
+    """Distances that do not rise, coefficients out of range, missing columns; a distance without a file."""
+    friction = {"distance_m": 5.0}
     if text:
-        inputs = inputs | {"friction_file": str(tmp_path / "friction.csv")}
+        friction["file"] = str(tmp_path / "friction.csv")
         (tmp_path / "friction.csv").write_text(text)
     with pytest.raises(InputError, match=words):
-        coarse_case(speed_km_h=80.0, **inputs).check()
+        coarse_case(**ROLLS | {"friction": friction}).check()
 
 
 @pytest.mark.parametrize("theory", [pytest.param("exact", marks=pytest.mark.ci), "fastsim"])
 def test_friction_that_falls_with_the_flash_temperature(wheelset, theory):
     """The wheelset is in equilibrium, has a flash temperature, and less friction than without."""
-    inputs = {**ROLLS, "speed_km_h": 120.0, "yaw_mrad": 8.0, "lateral_mm": 0.0, "rolling_theory": theory}
-    falls = {"kinetic_friction": 0.1, "friction_falls_from_C": 25.0, "friction_falls_to_C": 60.0}
+    inputs = {**ROLLS, "rolling.speed_km_h": 120.0, "yaw_mrad": 8.0, "lateral_mm": 0.0, "theory": theory}
+    falls = {"falling": {"kinetic": 0.1, "between_C": [25.0, 60.0]}}
     plain, warm = (solved(wheelset, **inputs, **more) for more in ({}, falls))
     rises = [max(creep.flash_temperature for _, creep in found.rolling) for found in (plain, warm)]
     assert rises[0] > rises[1] > 5.0
@@ -283,14 +291,13 @@ def test_patches_that_touch_are_divided_where_little_is_carried():
 @pytest.mark.parametrize("theory", [pytest.param("exact", marks=pytest.mark.ci), "fastsim"])
 def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
     """By the rate of rotation and by normal forces that shift in the patch, as differences of the forces have them."""
-    slope = {"slope_factor": 0.8, "slope_remaining": 0.3, "slope_rate": 2.0}
-    rolls = ROLLS | slope | {"rolling_theory": theory, "lateral_mm": 2.0, "yaw_mrad": 2.0}
-    found = solved(wheelset, **rolls).equilibrium
-    side, motion = found.state.sides["right"], coarse_case(**rolls).spatial_model().rolling
-    rate = 1e3 * motion.speed_m_s / 460.0
+    slope = {"slope": {"initial": 0.8, "remaining": 0.3, "rate": 2.0}}
+    rolls = ROLLS | slope | {"theory": theory, "lateral_mm": 2.0, "yaw_mrad": 2.0}
+    found, problem = solved(wheelset, **rolls).equilibrium, coarse_case(**rolls)
+    side, rate = found.state.sides["right"], 1e3 * problem.speed_m_s / 460.0
 
     def forces(normal, share=0.0):
-        creep = WheelsetCreep(motion, rate * (1.0 + share))
+        creep = WheelsetCreep(problem, rate * (1.0 + share))
         return creep, creep.of_side("right", side, normal)
 
     normal, step = side.forces, 1e-4
@@ -311,7 +318,7 @@ def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
 
 def test_patches_of_a_side_move_each_others_surfaces(wheelset):
     """At the crown and the gauge corner at once: creep forces do not depend on how wide the free cell between is."""
-    found = solved(wheelset, speed_km_h=72.0, friction=0.3, lateral_mm=6.6)
+    found = solved(wheelset, lateral_mm=6.6, **ROLLS | {"theory": "exact"})
     assert len([patch for patch in found.patches if patch.side == "right"]) == 2
     (creep,) = found.equilibrium.state.rolled.creep["right"].patches
     contact, motion = creep.contact, creep.forces.motion
@@ -340,13 +347,16 @@ def test_patches_of_a_side_move_each_others_surfaces(wheelset):
 CONICITY, RADIUS, ARM, SPEED = 0.05, 460.0, 750.0, 20.0  # ARM b: distance of the contacts from the middle
 
 
-def creepages(lateral, yaw=0.0, **motion):
+def creepages(lateral, yaw=0.0, curve_m=None, **motion):
     """Longitudinal and lateral creepage of both wheels, (2, 2), the lateral one to the right."""
     steel = Elastic(210e3, 0.3)
     grid = PatchGrid(np.linspace(-1.0, 1.0, 3), 1.0, 2)
     patch = RollingContact.between_half_spaces(grid, np.ones((2, 2)), Friction(0.3), (steel, steel))
     rate = 1e3 * SPEED / RADIUS
-    creep = WheelsetCreep(RollingMotion(SPEED, Friction(0.3), **motion), rate)
+    speed = {"speed_km_h": 3.6 * SPEED}
+    load = {} if curve_m is None else {"curve": {"radius_m": curve_m} | speed}
+    problem = WheelsetProblem(load=load, rolling=motion if load else motion | speed)
+    creep = WheelsetCreep(problem, rate)
     found = []
     for side in SIDES:
         sign = SIDE_SIGN[side]
@@ -363,8 +373,8 @@ def creepages(lateral, yaw=0.0, **motion):
 def test_steady_position_of_cones_in_a_curve(curve_m):
     """There is no longitudinal creepage at y = r b / (c R); in the middle it is b / R, of the other sign inside."""
     lateral = RADIUS * ARM / (CONICITY * 1e3 * curve_m)
-    assert creepages(lateral, curve_radius_m=curve_m)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
-    middle = creepages(0.0, curve_radius_m=curve_m)[:, 0]
+    assert creepages(lateral, curve_m=curve_m)[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
+    middle = creepages(0.0, curve_m=curve_m)[:, 0]
     assert np.abs(middle) == pytest.approx(ARM / (1e3 * abs(curve_m)), rel=1e-9)
     assert middle[0] == pytest.approx(-middle[1])
 
@@ -375,9 +385,9 @@ def test_klingels_motion_of_cones():
     unit = np.array(
         [
             creepages(lateral)[1, 0],
-            creepages(0.0, yaw_rate_rad_s=1.0)[1, 0],
+            creepages(0.0, yaw_rate_mrad_per_s=1e3)[1, 0],
             creepages(0.0, yaw)[1, 1] / yaw,
-            creepages(0.0, lateral_velocity_m_s=1.0)[1, 1],
+            creepages(0.0, lateral_velocity_mm_per_s=1e3)[1, 1],
         ]
     )
     turning, moving = -unit[0] / unit[1] / lateral, -unit[2] / unit[3]

@@ -15,7 +15,8 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.joining import whole_profile
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.wheelset.whole_wheel import Axle, WheelDisc, revolved, wheel_correction, whole_wheel
+from flangeway.railway.track.supports import ElasticAxle, WholeSection
+from flangeway.railway.wheelset.whole_wheel import revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
 
@@ -173,7 +174,7 @@ def test_a_whole_wheel_gives_way_as_one_of_920_mm_should() -> None:
 
 def test_a_symmetric_wheel_gives_a_symmetric_matrix() -> None:
     """Mirrored cells exchange their rows, with the sign of what points across."""
-    disc = WheelDisc(web_middle_mm=(0.0, 0.0), hub_mm=(-80.0, 80.0))
+    disc = WholeSection(web_middle_mm=(0.0, 0.0), hub_mm=(-80.0, 80.0))
     profile = plain(120.0, 50.0)
     found = wheel_correction(whole_wheel(profile, RADIUS, disc), RADIUS, cells_of(profile, -18.0, 18.0, 4))
     signs = np.array([-1.0, 1.0, 1.0])
@@ -190,7 +191,7 @@ def test_every_bundled_wheel_gets_a_web_and_a_hub(name) -> None:
         whole.running_surface.sampled(spacing=5.0), profile.running_surface.sampled(spacing=5.0)
     )
     low, high = whole.outline.bounds(["cut"])
-    assert low[1] == high[1] == RADIUS - WheelDisc().bore_radius_mm
+    assert low[1] == high[1] == RADIUS - WholeSection().bore_radius_mm
     assert high[0] - low[0] == 180.0
     assert 20e3 < whole.outline.area < 30e3
 
@@ -208,7 +209,7 @@ def test_a_whole_section_comes_from_a_file(tmp_path) -> None:
 PLACES = np.array([-750.0, 750.0])
 DIAMETER = 173.0
 RIGIDITY = YOUNG * np.pi * DIAMETER**4 / 64.0
-UNIFORM = Axle(2000.0, ((0.0, DIAMETER), (1100.0, DIAMETER)), YOUNG)
+UNIFORM = ElasticAxle(journals_mm=2000.0, diameters_mm=((0.0, DIAMETER), (1100.0, DIAMETER)), young_MPa=YOUNG)
 
 
 def test_outside_journals_bend_the_middle_up() -> None:
@@ -221,7 +222,7 @@ def test_outside_journals_bend_the_middle_up() -> None:
 
 def test_inside_journals_bend_the_middle_down() -> None:
     """Four-point bending: the slope at the ends is Q a (b - a) / (2 E I) with a from the wheel to the journal."""
-    inside = Axle(1100.0, UNIFORM.diameters_mm, YOUNG)
+    inside = UNIFORM.replaced(journals_mm=1100.0)
     force, arm = 100e3, 200.0
     expected = force * arm * (1500.0 - arm) / 2.0 / RIGIDITY
     found = inside.tilts(PLACES, np.array([[force, 0.0], [force, 0.0]]))
@@ -230,7 +231,7 @@ def test_inside_journals_bend_the_middle_down() -> None:
 
 def test_a_moment_on_one_wheel_bends_a_supported_beam() -> None:
     """A moment at the end of a beam whose journals are in the wheels: M l / 3 E I there, - M l / 6 E I at the other."""
-    found = Axle(1500.0, UNIFORM.diameters_mm, YOUNG).tilts(PLACES, np.array([[0.0, 0.0], [0.0, 20e6]]))
+    found = UNIFORM.replaced(journals_mm=1500.0).tilts(PLACES, np.array([[0.0, 0.0], [0.0, 20e6]]))
     slope = 20e6 * 1500.0 / RIGIDITY
     np.testing.assert_allclose(found, [-slope / 6.0, slope / 3.0], rtol=1e-10)
 
@@ -239,7 +240,7 @@ def test_forces_superpose_and_mirror() -> None:
     """Tilts are linear in the forces; exchanged sides exchange them with the sign of rotations."""
     rng = np.random.default_rng(3)
     one, two = rng.normal(size=(2, 2, 2)) * [1e5, 1e7]
-    axle = Axle()
+    axle = ElasticAxle()
     np.testing.assert_allclose(
         axle.tilts(PLACES, 2.0 * one - two), 2.0 * axle.tilts(PLACES, one) - axle.tilts(PLACES, two), rtol=1e-10
     )

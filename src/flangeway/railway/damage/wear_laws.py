@@ -419,7 +419,7 @@ def patch_loads(creep: CreepState) -> CellLoads:
         raise InputError(
             f"wear by creep forces of the theory {creep.theory}",
             f"a theory with slip in the cells: {THEORIES_WITH_CELLS}",
-            "choose one of them as rolling_theory",
+            "choose one of them as rolling.theory",
         )
     scale = abs(forces.motion.speed) or 1.0
     loads = CellLoads(

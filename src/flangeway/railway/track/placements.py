@@ -284,7 +284,7 @@ class WheelSide(Record):
     wheel: WheelInput | None = None
     """wheel (default: that of the wheelset)"""
     radius_mm: float | None = Field(default=None, ge=150.0)
-    """radius (default: that of the other wheel at the tape line)"""
+    """radius (default: radius_mm of the wheelset, at a flange's tip that of the right wheel)"""
 
 
 class WheelPair(Record):
@@ -321,7 +321,8 @@ class WheelPair(Record):
     @property
     def is_symmetric(self) -> bool:
         """Whether the left wheel mirrors the right one."""
-        return self.wheel_of("left") is self.wheel_of("right") and self.left.radius_mm == self.right.radius_mm
+        alike = self.wheel_of("left") is self.wheel_of("right")
+        return alike and self.tape_radius_of("left") == self.tape_radius_of("right")
 
     @property
     def tape_radius_mm(self) -> float:
@@ -340,10 +341,8 @@ class WheelPair(Record):
     def tape_radius_of(self, side: Side) -> float:
         """Rolling radius of the wheel of a side at the tape line, in mm."""
         own = self.side(side).radius_mm
-        if own is None and side == "left":
-            return self.tape_radius_of("right")
-        radius = self.radius_mm if own is None else own
-        return radius if self.radius_at == "tape-line" else radius - self.wheel_of(side).flange_height_mm
+        radius, measured = (self.radius_mm, self.wheel_of("right")) if own is None else (own, self.wheel_of(side))
+        return radius if self.radius_at == "tape-line" else radius - measured.flange_height_mm
 
     @property
     def distance_mm(self) -> float:
