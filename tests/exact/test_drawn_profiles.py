@@ -123,8 +123,9 @@ def test_a_drawn_wheel_stands_in_the_middle_and_runs_as_exact(tmp_path, decimals
     path = tmp_path / "wheel.txt"
     np.savetxt(path, vertices(), f"%.{decimals}f")
     conicities, lateral = [], np.linspace(-6.0, 6.0, 121)
-    for inputs in ({"wheel": str(path), "wheel_body": "AAR-1B"}, {"wheel": "AAR-1B"}):
-        geometry = GeometryCase.from_values({**inputs, "rail": "136RE"}).geometry()
+    for profile in ({"file": str(path), "body": "AAR-1B"}, "AAR-1B"):
+        case = GeometryCase(track={"rail": "136RE", "gauge_mm": 1600.0}, wheelset={"wheel": profile})
+        geometry = case.geometry()
         difference = RollingRadiusDifference.of(geometry.locus(lateral))
         conicities.append(conicities_of(difference, 4.0).integration)
         assert difference.centred_mm == pytest.approx(0.0, abs=1e-6)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway import quantities
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.case_file import load_case
 from flangeway.cases.wheelset.wheelset_quantities import PATCH
 from flangeway.elements import Lagrange, Virtual
 from flangeway.exact.half_space import half_space_stresses
@@ -223,9 +223,8 @@ def test_a_narrow_patch_far_from_another_one_has_the_stresses_of_both(force_of_o
 @pytest.mark.ci
 def test_a_wheelset_prints_the_maximum_below_a_patch_with_two_peaks() -> None:
     """S1002 on 60E1, 200 kN, 2 mm aside: 353 MPa below the centre on the right, 634 MPa beside it."""
-    case = SpatialWheelsetCase.from_values(
-        {"lateral_mm": 2.0, "size_scale": 6.0, "order": 1, "rail_support": "continuous", "gauge_at": "narrowest"}
-    )
+    mesh = {"size_scale": 6.0, "order": 1}
+    case = load_case("wheelset", lateral_mm=2.0, mesh=mesh, support="continuous", gauge_at="narrowest")
     run = case.run()
     patch = next(each for each in run.result.patches if each.side == "right")
     grid, found = patch.state.grid.grid, patch.stress_fields["rail"].max_von_mises

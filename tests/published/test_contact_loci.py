@@ -13,9 +13,8 @@ has one point and no yaw.
 import numpy as np
 import pytest
 
-from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.placements import Track, WheelPair
 
 PUBLISHED = {
     # lateral motion in mm: roll in mrad; depth in mm below the reference height, loaded, of the first touch on the
@@ -48,8 +47,8 @@ ANGLES = np.concatenate((TABLE[:0:-1, 7], TABLE[:, 6]))
 @pytest.fixture(scope="module")
 def benchmark():
     """Wheels and rails of the benchmark as rigid curves."""
-    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 460.0 + 28.0)
-    return RigidGeometry.of(track, wheelset)
+    track = Track(rail="60E1", gauge_mm=1435.0, inclination=1.0 / 40.0)
+    return RigidGeometry.of(track, WheelPair(wheel="S1002", back_to_back_mm=1360.0, radius_mm=460.0))
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ import pytest
 
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
-from flangeway.cases.wheelset.wheelset_inputs import profile_named
 from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
@@ -15,7 +14,8 @@ from flangeway.geometry import Arc
 from flangeway.post import stresses_along
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
-from flangeway.railway.track.wheelset_problem import Discretisation
+from flangeway.railway.profiles.named import profile_of
+from flangeway.railway.track.wheelset_problem import Plane
 from flangeway_studies.hertz import largest_patch, oscillation, published_case
 
 P0 = 671.5
@@ -120,14 +120,14 @@ def test_roots_that_do_not_fit_are_refused():
             with_flange_root(wheel(), radius)
     with pytest.raises(InputError, match="flange root"):
         with_flange_root(wheel("S1002"), 40.0)
-    assert profile_named(IDENTIFIED, "wheel").outline == identified_wheel().outline
+    assert profile_of(IDENTIFIED, "wheel").outline == identified_wheel().outline
 
 
 def test_a_nodal_penalty_is_of_node_to_segment_alone():
     """A penalty per node with segment-to-segment or with multipliers is refused, since it would do nothing."""
     with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
-        Discretisation(nodal_penalty_N_per_mm=1e7)
+        Plane(nodal_penalty_N_per_mm=1e7)
     with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
-        Discretisation(pairing="node-to-segment", enforcement="multiplier", nodal_penalty_N_per_mm=1e7)
+        Plane(pairing="node-to-segment", enforcement="multiplier", nodal_penalty_N_per_mm=1e7)
     with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
-        Discretisation(pairing="node-to-segment", nodal_penalty_N_per_mm=-1.0)
+        Plane(pairing="node-to-segment", nodal_penalty_N_per_mm=-1.0)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.case_file import load_case
 from flangeway.tables import TableRequest, creep_sampling, table_build
 from flangeway.tables.table_build import _Build
 
-COARSE = SpatialWheelsetCase.from_values({"size_scale": 8.0, "order": 1, "rail_support": "fixed", "patch_cells": 12})
+COARSE = load_case("wheelset", size_scale=8.0, order=1, support="fixed", patch_cells=12)
 ANGLES = np.linspace(0.0, np.pi, 5)
 
 

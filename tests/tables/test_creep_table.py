@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
-from flangeway.railway.wheelset.rolling.patch_rolling import RollingMotion
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.tables import creep_table
@@ -143,7 +142,10 @@ def test_creepages_are_those_of_the_wheelset_that_rolls(table):
             [-0.02, -5e-3, -0.05, 300.0, -30.0], [0.02, 5e-3, 1.2, 600.0, 30.0]
         )
         curve = random.choice([-1.0, 1.0]) * random.uniform(100.0, 5000.0)
-        motion = RollingMotion(v, Friction(0.3), None, curve, yaw_rate, 1e-3 * lateral)
+        problem = WheelsetProblem(
+            load={"curve": {"radius_m": curve, "speed_km_h": 3.6 * v}},
+            rolling={"yaw_rate_mrad_per_s": 1e3 * yaw_rate, "lateral_velocity_mm_per_s": lateral},
+        )
         omega = rate * 1e3 * v / radius
         contacts = table.contacts(-1.0, 0.0, 100.0)
         for number, side in enumerate(("left", "right")):
@@ -157,10 +159,10 @@ def test_creepages_are_those_of_the_wheelset_that_rolls(table):
             contacts["rolling_radius_mm"][0, number, 0] = np.linalg.norm(arm - pose.axis * (arm @ pose.axis))
             rows = point[None, :2], np.array([[-np.sin(angle), np.cos(angle)]])
             patch = SimpleNamespace(places=(np.zeros(1), np.zeros(1)), grid=SimpleNamespace(along=np.array([ahead])))
-            expected = WheelsetCreep(motion, omega).creepages(side, pose, omega, rows, patch)
+            expected = WheelsetCreep(problem, omega).creepages(side, pose, omega, rows, patch)
             found = table.creepages(
                 contacts, 1e3 * yaw, speed=1e3 * v, rotation=omega, lateral_velocity=lateral,
-                yaw_rate=motion.turning_rad_s,
+                yaw_rate=problem.turning_rad_s,
             )[0, number, 0]  # fmt: skip
             wanted = np.concatenate([np.ravel(each) for each in (expected.along, expected.across, expected.spin)])
             np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12)

@@ -7,25 +7,32 @@ import numpy as np
 import pytest
 
 from benchmarks import worn
-from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases import Wheelset
+from flangeway.cases.case_file import load_case
 from flangeway.cases.rigid_run import GeometryCase
-from flangeway.cases.wheelset.wheelset_inputs import profile_named, side_warnings
+from flangeway.cases.wheelset.wheelset_notes import side_warnings
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.profiles.joining import joined, on_plain_body
+from flangeway.railway.profiles.named import RailFile, WheelFile, profile_of
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_problem import WheelsetLoad
-from flangeway.railway.wheelset.supported_rail import RailSupport, supported_rail
+from flangeway.railway.track.loads import WheelsetLoad
+from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.supports import Sleepers
+from flangeway.railway.wheelset.supported_rail import supported_rail
 
-GAUGE = {"gauge_mm": 1435.0, "rail_inclination": 0.025}
+
+def on_body(path, body):
+    """A rail or wheel of a file on the body of a bundled one."""
+    kind = "rail" if str(path).endswith("ban") else "wheel"
+    return profile_of((RailFile if kind == "rail" else WheelFile)(file=path, body=body), kind)
 
 
 @cache
@@ -56,8 +63,8 @@ def saved(folder, points, name):
 def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
     """Points up to 2 mm beside the chords of a joined section are at the nearest point of its boundary."""
     points = head(1.0) * [0.97, 1.0]
-    profile = profile_named(saved(tmp_path, points, "worn.ban"), "rail", body="60E1")
-    found = supported_rail(profile, Elastic(210e3, 0.3), RailSupport(), 25.0)
+    profile = on_body(saved(tmp_path, points, "worn.ban"), "60E1")
+    found = supported_rail(profile, Elastic(210e3, 0.3), Sleepers(), 25.0)
     mesh = found.problem.elasticity.space.mesh
     corners = np.vstack([segment.start for segment in profile.outline.part(profile.running_names).segments])
     beside = corners + np.random.default_rng(3).uniform(-1.4, 1.4, corners.shape)
@@ -78,7 +85,7 @@ def test_points_at_a_joint_far_from_contact_are_projected(tmp_path):
 def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     """An upright rim, beyond which the body juts out, is left out of contact; a note has the file's own coordinates."""
     path = saved(tmp_path, tread(), "rim.whl")
-    profile = profile_named(path, "wheel", body="heavy-haul")
+    profile = on_body(path, "heavy-haul")
     (note,) = [each for each in profile.notices if each.startswith("Beyond")]
     x, y = 70.0 + tread()[-80, 0], -tread()[-80, 1]
     assert f"x = {x:.4g}" in note
@@ -86,7 +93,7 @@ def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     assert "rim" in note.rpartition("(")[2]
     assert float(note.partition("y = ")[2].partition(" ")[0]) == pytest.approx(y, abs=1.0)
     worn, new = (
-        RigidGeometry.of(Track(rail("60E1"), **GAUGE), Wheelset(each, 1360.0, 488.0))
+        RigidGeometry.of(Track(), WheelPair(wheel=each, back_to_back_mm=1360.0))
         for each in (profile, wheel("S1002"))
     )
     at = np.array([-4.0, 0.0, 3.0])
@@ -99,8 +106,8 @@ def test_a_web_below_the_head_is_left_out_and_said(tmp_path):
     """A head whose file goes on down an upright line for 25 mm stands as the head alone; a note has the coordinates."""
     points = head()
     down = points[-1] - np.column_stack((np.zeros(100), np.linspace(0.25, 25.0, 100)))
-    with_web = profile_named(saved(tmp_path, np.vstack((points, down)), "web.ban"), "rail", body="60E1")
-    plain = profile_named(saved(tmp_path, points, "plain.ban"), "rail", body="60E1")
+    with_web = on_body(saved(tmp_path, np.vstack((points, down)), "web.ban"), "60E1")
+    plain = on_body(saved(tmp_path, points, "plain.ban"), "60E1")
     (note,) = [each for each in with_web.notices if "below the head" in each]
     assert "web.ban (gauge side)" in note
     assert with_web.outline.area == pytest.approx(plain.outline.area, rel=2e-3)
@@ -134,8 +141,9 @@ def test_heads_worn_flat_stand_in_the_middle_alone(tmp_path, worn_mm):
     points = rail("60E1").running_surface.sampled(spacing=0.25, max_deviation=1e-3)
     points = points - [0.0, points[:, 1].max()]
     flat = np.stack((points[:, 0], np.minimum(points[:, 1], -worn_mm)), axis=1)
-    track = Track(profile_named(saved(tmp_path, flat, "flat.ban"), "rail", body="60E1"), **GAUGE)
-    found = rigid_equilibrium(RigidGeometry.of(track, Wheelset(wheel("S1002"), 1360.0, 460.0)), WheelsetLoad(2e5))
+    track = Track(rail=on_body(saved(tmp_path, flat, "flat.ban"), "60E1"))
+    axle = WheelPair(back_to_back_mm=1360.0, radius_mm=460.0, radius_at="flange-tip")
+    found = rigid_equilibrium(RigidGeometry.of(track, axle), WheelsetLoad(2e5))
     assert found.position.motion_in_space.lateral_mm == pytest.approx(0.0, abs=1e-6)
     assert found.position.stable
     assert len(found.positions) == 1
@@ -146,57 +154,57 @@ def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     np.testing.assert_allclose(read_profile(left).points, right.points, atol=1e-8)
-    (warning,) = side_warnings(Track(profile_named(left, "rail", body="60E1"), **GAUGE))
+    (warning,) = side_warnings(Track(rail=on_body(left, "60E1")))
     assert "left-hand" in warning
-    assert "rail_mirror" in warning
+    assert "track.rail.mirror" in warning
     kept = read_profile(left, ReadOptions(mirror=False))
     np.testing.assert_allclose(kept.points[::-1], right.points * [-1.0, 1.0], atol=1e-8)
     small = saved(tmp_path, head(1.0) * [-1.0, 1.0], "small.ban")
     assert not read_profile(small).orientation.mirrored
-    assert any(
-        "field side" in each for each in side_warnings(Track(profile_named(small, "rail", body="60E1"), **GAUGE))
-    )
+    assert any("field side" in each for each in side_warnings(Track(rail=on_body(small, "60E1"))))
 
 
 def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():
     """A running surface 0.6 mm higher lowers the rigid wheelset by 0.6 mm and its rolling radius as much."""
     new = wheel("S1002")
     worn = replace(new, fine=new.running_surface.transformed(Placement(translation=(0.0, 0.6))))
-    track = Track(rail("60E1"), **GAUGE)
-    found = [RigidGeometry.of(track, Wheelset(each, 1360.0, 488.0)).locus(np.array([0.0])) for each in (worn, new)]
+    axles = [WheelPair(wheel=each, back_to_back_mm=1360.0) for each in (worn, new)]
+    found = [RigidGeometry.of(Track(), axle).locus(np.array([0.0])) for axle in axles]
     assert found[0].vertical_mm[0] - found[1].vertical_mm[0] == pytest.approx(-0.6, abs=1e-9)
     radii = [each.right.rolling_radii_mm[0, 0] for each in found]
     assert radii[1] - radii[0] == pytest.approx(0.6, abs=1e-9)
 
 
-@pytest.mark.parametrize("case", [WheelsetTangentCase, GeometryCase])
-def test_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
-    """Every case takes ``rail_mirror``, ``rail_unit``, ``wheel_tape_mm`` and those of the left side."""
+@pytest.mark.parametrize("case", [Wheelset, GeometryCase])
+def test_mirror_unit_and_tape_are_inputs_of_cases(case, tmp_path):
+    """Every case takes ``mirror``, ``unit`` and ``tape_mm`` of files, and those of the left side."""
     right = head(2.0)
     left = saved(tmp_path, right * [-1.0, 1.0], "left.ban")
     inches = tmp_path / "inches.txt"
     np.savetxt(inches, right / 25.4, "%.6f")
     wheels = tmp_path / "wheel.txt"
     np.savetxt(wheels, wheel("S1002").running_surface.sampled(spacing=0.5) / 25.4, "%.6f")
-    values = {
-        "rail": str(inches), "rail_unit": "in", "left_rail": str(left), "left_rail_mirror": True, "rail_body": "60E1",
-        "wheel": str(wheels), "wheel_unit": "in", "wheel_tape_mm": 71.0, "wheel_body": "S1002", "gauge_mm": 1435.0,
-    }  # fmt: skip
-    made = case.from_values(values)
-    track, axle = made.track(), made.wheelset()
+    made = case(
+        track={
+            "rail": {"file": str(inches), "unit": "in", "body": "60E1"},
+            "left": {"rail": {"file": left, "mirror": True, "body": "60E1"}},
+        },
+        wheelset={"wheel": {"file": str(wheels), "unit": "in", "tape_mm": 71.0, "body": "S1002"}},
+    )
+    track = made.track
     outlines = [track.rail_of(side).outline.sampled(spacing=1.0) for side in ("left", "right")]
     assert track.rail_of("right").outline.closest(outlines[0])[2].max() < 0.02
     assert not any("field side" in each for side in ("left", "right") for each in track.rail_of(side).notices)
-    assert axle.wheel.flange_back_mm == 71.0
-    wrong = case.from_values({**values, "left_rail_mirror": False}).track()
-    assert any("left_rail_mirror" in each for each in wrong.rail_of("left").notices)
+    assert made.wheels.wheel_of("left").flange_back_mm == 71.0
+    wrong = track.replaced(left={"rail": {"mirror": False}})
+    assert any("track.left.rail.mirror" in each for each in wrong.rail_of("left").notices)
 
 
-def test_a_key_for_no_file_is_refused():
-    """What is said of the file of a bundled or missing profile is refused, with the key."""
-    for values in ({"rail_mirror": True}, {"wheel_tape_mm": 70.0}, {"left_rail_unit": "in"}):
-        with pytest.raises(InputError, match=next(iter(values))):
-            WheelsetTangentCase.from_values(values).problem()
+def test_what_is_said_of_no_file_is_refused():
+    """What a file does not say is refused of a bundled profile, and of a side without one, with its path."""
+    for name, value in (("track.rail.mirror", True), ("wheelset.wheel.tape_mm", 70.0), ("track.left.rail.unit", "in")):
+        with pytest.raises(InputError, match=name.rpartition(".")[0].replace(".", r"\.")):
+            load_case("wheelset", **{name: value}).check()
 
 
 NOISE_MM, SPACING_MM = worn.NOISE_MM, worn.SPACING_MM
@@ -219,8 +227,8 @@ def runs(pairs):
 
     @cache
     def solved(name):
-        case, said = (WheelsetCurveCase if name == "curve" else WheelsetTangentCase), []
-        run = case.from_values({**pairs["smooth" if name == "smooth" else "noisy"], "size_scale": 3.0}).run(said.append)
+        case, said = f"wheelset-{'curve' if name == 'curve' else 'tangent'}", []
+        run = load_case(case, **pairs["smooth" if name == "smooth" else "noisy"], size_scale=3.0).run(said.append)
         return run, said
 
     return solved
@@ -233,7 +241,7 @@ def test_the_chain_ends_in_equilibrium(name, runs):
     run, _ = runs(name)
     assert run.result.status.converged, run.result.status.message
     assert run.result.equilibrium.residuals.equilibrium_residual < 1e-10
-    along, onto = run.result.model.problem.load.in_track
+    along, onto = run.result.model.problem.forces.in_track
     total = sum(patch.force_on_wheel_N for patch in run.result.patches)
     assert total == pytest.approx([-along, onto], rel=1e-8, abs=1.0)
 
@@ -267,7 +275,7 @@ def test_the_run_says_how_the_noise_was_smoothed(runs):
 def test_a_conforming_pair_costs_no_second_model(runs):
     """Its wide contact is foreseen: one model of at most 2.4 times the bundled pair's surface nodes."""
     run, said = runs("noisy")
-    plain = WheelsetTangentCase.from_values({"size_scale": 3.0}).run()
+    plain = load_case("wheelset-tangent", size_scale=3.0).run()
     nodes = [sum(len(each.points) for each in one.result.model.system.surface_nodes) for one in (run, plain)]
     assert not any(sentence.startswith("once more") for sentence in said)
     assert nodes[0] < 2.4 * nodes[1]
@@ -314,22 +322,21 @@ def test_the_joined_body_does_not_move_the_wheel(file):
     assert [each.flange_back_mm for each in wheels] == [TAPE_MM] * 4
     shifts = []
     for each in wheels:
-        axle = Wheelset(each, 1360.0, 460.0 + each.flange_height_mm)
-        path = RigidGeometry.of(Track(rail("60E1"), 1435.0), axle).path(40.0)
+        path = RigidGeometry.of(Track(), WheelPair(wheel=each, back_to_back_mm=1360.0)).path(40.0)
         shifts.append((path.rail_level - 460.0 * np.sin(path.roll)).max())
     assert np.ptp(shifts) < 0.02
     assert all(f"{TAPE_MM:g} mm from the flange's back (from the file)" in each.certainty for each in wheels)
 
 
-def test_tape_mm_is_a_key_of_cases(file):
-    """``wheel_tape_mm`` moves the wheel on its axle, and the distance stands with its origin in the summary's words."""
-    inputs = {"wheel": str(file), "wheel_body": "plain", "rail": "60E1", "gauge_mm": 1435.0}
+def test_tape_mm_is_an_input_of_cases(file):
+    """``tape_mm`` moves the wheel on its axle, and the distance stands with its origin in the summary's words."""
     places = {}
     for tape in (None, 70.0, 74.0):
-        axle = WheelsetTangentCase.from_values({**inputs, "wheel_tape_mm": tape}).wheelset()
-        face = axle.placement("right").points(axle.wheel.running_surface.sampled(spacing=0.5))
-        places[tape] = axle.back_to_back_mm / 2.0 + axle.wheel.flange_back_mm
-        assert axle.wheel.flange_back_mm == (tape or TAPE_MM)
+        axle = WheelPair(wheel=WheelFile(file=str(file), body="plain", tape_mm=tape), back_to_back_mm=1360.0)
+        profile = axle.wheel_of("right")
+        face = axle.placement("right").points(profile.running_surface.sampled(spacing=0.5))
+        places[tape] = axle.back_to_back_mm / 2.0 + profile.flange_back_mm
+        assert profile.flange_back_mm == (tape or TAPE_MM)
         # the file counts from the flange's back: its points stay where they are, the tape line moves on them
         assert face[:, 0].min() == pytest.approx(680.0 + TAPE_MM - 63.0, abs=0.6)
     assert places[74.0] - places[70.0] == 4.0

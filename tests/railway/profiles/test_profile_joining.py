@@ -21,6 +21,7 @@ from flangeway.railway.profiles.joining import (
 )
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
+from flangeway.railway.profiles.named import RailFile
 from flangeway.railway.track.placements import Track
 
 
@@ -222,21 +223,18 @@ def test_all_sections_are_placed_as_the_first_slice(tmp_path):
     file = rail_file(tmp_path)
     for body in ("60E1", "plain"):
         for position, depth in ((50.0, 0.0), (200.0, 3.0)):
-            inputs = {"rail": str(file), "rail_position_mm": position, "rail_body": body, "gauge_mm": 1435.0}
-            track = GeometryCase.from_values(inputs | {"wheel": "S1002"}).track()
-            profile = track.rail
-            placed = profile.running_surface.transformed(track.placement("right"))
-            nominal = Track(rail("60E1"), 1435.0)
-            expected = nominal.rail.running_surface.transformed(nominal.placement("right"))
+            track = Track(rail=RailFile(file=str(file), position_mm=position, body=body))
+            placed = track.rail_of("right").running_surface.transformed(track.placement("right"))
+            nominal = Track(rail="60E1")
+            expected = rail("60E1").running_surface.transformed(nominal.placement("right"))
             assert placed.bounds()[1, 1] == pytest.approx(-depth, abs=2e-3)
             assert placed.bounds()[0, 0] == pytest.approx(expected.bounds()[0, 0] + depth / 40.0, abs=3e-3)
 
 
 def test_a_lower_rail_lets_the_wheelset_roll(tmp_path):
     """With a dip in the right rail only, the wheelset rolls by the depth over the distance of the contacts."""
-    file = rail_file(tmp_path)
-    inputs = {"rail": str(file), "rail_position_mm": 150.0, "left_rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0}
-    locus = GeometryCase.from_values(inputs).geometry().locus([0.0])
+    track = Track(rail=RailFile(file=str(rail_file(tmp_path)), position_mm=150.0), left={"rail": "60E1"})
+    locus = GeometryCase(track=track).geometry().locus([0.0])
     assert locus.roll_rad[0] == pytest.approx(-2.0 / 1500.0, rel=0.03)
 
 
@@ -307,12 +305,10 @@ def test_wrong_files_are_refused_with_their_line(tmp_path, text, given, allowed)
 
 
 def test_a_position_is_needed_and_only_for_slices(tmp_path):
-    """Messages name the key of a case."""
+    """Messages name the input of a case."""
     file = rail_file(tmp_path)
     with pytest.raises(InputError) as caught:
-        GeometryCase.from_values({"rail": str(file), "gauge_mm": 1435.0}).track()
-    assert "rail_position_mm: 50 to 250 mm" in caught.value.allowed
-    with pytest.raises(InputError, match="rail_position_mm of the bundled 60E1"):
-        GeometryCase.from_values({"rail": "60E1", "rail_position_mm": 1.0}).track()
+        _ = Track(rail=str(file)).rails
+    assert "track.rail.position_mm: 50 to 250 mm" in caught.value.allowed
     with pytest.raises(InputError, match="--position 3"):
         read_profile(tmp_path / "slice0.txt", ReadOptions(position=3.0))

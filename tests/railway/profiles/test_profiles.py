@@ -163,7 +163,7 @@ def test_wheels_are_regions_with_a_straight_cut(name):
 def test_the_reference_rail_is_that_of_the_standard_when_it_is_inclined():
     """At 1:20 its head passes points of table I.6; upright it has the foot and the height of a 60E1."""
     profile = rail(REFERENCE_RAIL)
-    track = Track(profile, 1435.164446, 0.05, None, 14.0)
+    track = Track(rail=profile, gauge_mm=1435.164446, inclination=0.05, gauge_depth_mm=14.0)
     head = profile.running_surface.transformed(track.placement("right"))
     top = 0.49178
     table = ((-32.0, 11.87191), (-20.0, 2.54678), (0.0, 0.0), (10.0, -0.42031), (24.0, 0.09867), (39.0, 10.66466))
