@@ -93,8 +93,7 @@ def test_an_overhang_beyond_the_tread_is_left_out_and_said(tmp_path):
     assert "rim" in note.rpartition("(")[2]
     assert float(note.partition("y = ")[2].partition(" ")[0]) == pytest.approx(y, abs=1.0)
     worn, new = (
-        RigidGeometry.of(Track(), WheelPair(wheel=each, back_to_back_mm=1360.0))
-        for each in (profile, wheel("S1002"))
+        RigidGeometry.of(Track(), WheelPair(wheel=each, back_to_back_mm=1360.0)) for each in (profile, wheel("S1002"))
     )
     at = np.array([-4.0, 0.0, 3.0])
     np.testing.assert_allclose(

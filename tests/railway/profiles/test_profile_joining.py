@@ -19,9 +19,9 @@ from flangeway.railway.profiles.joining import (
     on_plain_body,
     whole_profile,
 )
+from flangeway.railway.profiles.named import RailFile
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.profiles.named import RailFile
 from flangeway.railway.track.placements import Track
 
 

@@ -1,5 +1,7 @@
 """Patches of a wheelset that roll with friction: coefficients in three axes, forces in the track's axes, power."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 

@@ -144,9 +144,7 @@ def test_the_position_is_the_recorded_one(name: str, size_scale: float, recorded
 @pytest.mark.parametrize(
     ("method", "case", "primary"), [("fem", "wheelset-curve", "wheel"), ("vem", "wheelset-tangent", "rail")]
 )
-def test_quadratic_edges_do_not_lock_into_each_other(
-    method: str, case: str, primary: str
-) -> None:
+def test_quadratic_edges_do_not_lock_into_each_other(method: str, case: str, primary: str) -> None:
     """Node-to-segment at order 2 with default sizes: one load step, ten iterations at most, near the fine position."""
     inputs = {"method": method, "order": 2, "pairing": "node-to-segment", "primary": primary}
     result = solve_wheelset(load_case(case, **inputs))

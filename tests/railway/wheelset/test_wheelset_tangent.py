@@ -12,7 +12,7 @@ from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.solve import CondensedBodies
 
 
-def problem(load_kN: float | None = 300.0, primary: str = "auto", **mesh) -> WheelsetProblem:  # noqa: N803 (unit)
+def problem(load_kN: float | None = 300.0, primary: str = "auto", **mesh) -> WheelsetProblem:
     return WheelsetProblem(
         track=Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),
         wheelset=WheelPair(wheel="AAR-1B", radius_mm=500.0, radius_at="flange-tip"),
@@ -102,10 +102,10 @@ def test_the_residual_is_that_of_all_forces(coarse) -> None:
             own = slice(*response.offsets[number : number + 2])
             forces = np.vstack((forces, found.state.nodal_forces[own]))
             arms = np.vstack((arms, found.state.positions[own] - found.position.axle(held.wheels)))
-    height = held.load.centre_of_gravity_height_mm
-    moment = np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]) + held.forces.vertical_N * height * np.sin(2e-4)
+    weight, height = held.forces.vertical_N, held.load.centre_of_gravity_height_mm
+    moment = np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]) + weight * height * np.sin(2e-4)
     x, y = forces.sum(axis=0)
-    assert found.residual == pytest.approx([x, y - held.forces.vertical_N, moment], rel=1e-9)
+    assert found.residual == pytest.approx([x, y - weight, moment], rel=1e-9)
     assert not any(found.residuals.free)
 
 
