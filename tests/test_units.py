@@ -25,10 +25,10 @@ from flangeway.mesh import (
 )
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spring, Traction
 from flangeway.quantities import Quantity, columns, key_unit, of_part, reference, values
-from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
-from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_problem import Discretisation, Prescribed, WheelsetLoad
+from flangeway.railway.track.loads import FromSpeed, Load, Position
+from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.wheelset_problem import Mesh, Plane
 from flangeway.records import GivenText
 from flangeway.report.damage_record import row_quantities
 from flangeway.report.page.html_page import command_line
@@ -70,15 +70,16 @@ def test_what_is_alike_in_both_systems_stays(key):
 
 def test_keys_with_us_units_are_inputs():
     """Lengths, forces, speeds, masses and stiffnesses are read exactly, as numbers and as text of the command line."""
-    given = {"gauge_in": 56.5, "axle_load_kip": GivenText("71.5"), "speed_mph": 40, "curve_radius_ft": 2000.0}
-    given |= {"superelevation_in": "from-speed", "seat_vertical_kip_per_in": 150.0, "young_ksi": 3e4}
+    given = {"gauge_in": 56.5, "axle_load_kip": GivenText("71.5"), "load.curve.speed_mph": 40, "radius_ft": 2000.0}
+    given |= {"load.curve.superelevation_in": "from-speed", "vertical_kip_per_in": 150.0, "material.young_ksi": 3e4}
     case = load_case("wheelset", **given)
-    assert (case.gauge_mm, case.speed_km_h, case.curve_radius_m) == (1435.1, 64.37376, 609.6)
-    assert case.axle_load_kN == pytest.approx(71.5 * 4.4482216152605, rel=1e-15)
-    assert case.superelevation_mm == "from-speed"
-    assert case.young_MPa == pytest.approx(206842.7187950508, rel=1e-14)
-    assert case.seat_vertical_kN_per_mm == pytest.approx(150 * 4.4482216152605 / 25.4, rel=1e-15)
-    assert load_case("wheelset", car_mass_lb=286e3).car_mass_t == pytest.approx(129.72741782)
+    curve = case.load.curve
+    assert (case.track.gauge_mm, curve.speed_km_h, curve.radius_m) == (1435.1, 64.37376, 609.6)
+    assert case.load.axle_load_kN == pytest.approx(71.5 * 4.4482216152605, rel=1e-15)
+    assert curve.superelevation_mm == FromSpeed()
+    assert case.material.young_MPa == pytest.approx(206842.7187950508, rel=1e-14)
+    assert case.track.support.vertical_kN_per_mm == pytest.approx(150 * 4.4482216152605 / 25.4, rel=1e-15)
+    assert load_case("wheelset", mass_lb=286e3).load.car.mass_t == pytest.approx(129.72741782)
 
 
 def test_a_setting_replaces_the_quantity_of_the_file_in_any_units(tmp_path):
@@ -87,10 +88,12 @@ def test_a_setting_replaces_the_quantity_of_the_file_in_any_units(tmp_path):
     file.write_text(write_template(CASES["two-bodies"]), encoding="utf-8")
     case = read_case(file, {"thickness_in": GivenText("2"), "bodies.1.size_in": GivenText("0.5")})
     assert (case.thickness_mm, case.bodies[0].size_mm) == (50.8, 12.7)
-    assert find_geometry_case("s1002-60e1", {"gauge_in": 56.5}).gauge_mm == 1435.1
-    file.write_text('case = "s1002-60e1"\ngauge_in = 56.5\nunits = "us"\nthickness_in = 1.0\n', encoding="utf-8")
+    assert find_geometry_case("s1002-60e1", {"gauge_in": 56.5}).track.gauge_mm == 1435.1
+    text = 'case = "geometry"\nunits = "us"\ntrack.gauge_in = 56.5\ncontact.thickness_in = 1.0\n'
+    file.write_text(text, encoding="utf-8")
     geometry, notices = read_geometry_case(file, {})
-    assert (geometry.gauge_mm, geometry.units, notices) == (1435.1, "us", ())
+    assert (geometry.track.gauge_mm, geometry.contact.thickness_mm, notices) == (1435.1, 25.4, ())
+    assert read_geometry_case(file, {"gauge_mm": 1440.0})[0].track.gauge_mm == 1440.0
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -118,11 +121,15 @@ def _leaves(value):
 
 
 WRONG = [
-    ({"gauge_in": 56.5, "gauge_mm": 1435.0}, ["gauge_mm, and the same quantity in another unit", "leave gauge_mm"]),
-    ({"wheel_radius_in": 2.0}, ["wheel_radius_in = 2.0\n", "a number from 5.90551", "default 18.1102"]),
-    ({"axle_load_kips": 70}, ["did you mean axle_load_kip?"]),
-    ({"gauge_in": 30.0}, ["gauge_mm = 762 without back_to_back_mm"]),
-    ({"gauge_mm": 800.0, "units": "us"}, ["gauge_mm = 800 without", "known, 1435, 1520, 1600, 1668 mm"]),
+    (
+        {"track": {"gauge_in": 56.5, "gauge_mm": 1435.0}},
+        ["track.gauge_in, and the same quantity in another unit", "leave gauge_in"],
+    ),
+    ({"gauge_in": 56.5, "gauge_mm": 1435.0}, ["gauge_mm and gauge_in for the same input", "leave gauge_mm"]),
+    ({"radius_in": 2.0}, ["wheelset.radius_in = 2.0\n", "a number from 5.90551", "default 18.1102"]),
+    ({"axle_load_kips": 70}, ["did you mean load.axle_load_kip?"]),
+    ({"gauge_in": 30.0}, ["track.gauge_mm = 762 without wheelset.back_to_back_mm"]),
+    ({"gauge_mm": 800.0, "units": "us"}, ["track.gauge_mm = 800 without", "known, 1435, 1520, 1600, 1668 mm"]),
     ({"units": "imperial"}, ["units is metric or us"]),
 ]
 
@@ -148,16 +155,17 @@ def test_errors_in_tables_name_the_line_of_the_key_with_us_units(tmp_path):
 def test_errors_of_a_whole_case_name_the_line_of_the_key_with_us_units(tmp_path):
     """What is wrong beyond single values is reported in metric units, at the line of the input as it was written."""
     file = tmp_path / "case.toml"
-    file.write_text('case = "wheelset"\n\ngauge_in = 30.0\n', encoding="utf-8")
-    with pytest.raises(InputError, match=r"line 3: gauge_mm = 762 without back_to_back_mm"):
+    file.write_text('case = "wheelset"\n\ntrack.gauge_in = 30.0\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"line 3: track\.gauge_mm = 762 without"):
         check_case(load_case(file), file)
 
 
 def test_the_schema_has_the_keys_with_us_units():
     """Editors complete both keys; limits are in their units, and one of both is enough where a quantity is needed."""
     case, described = schema(CASES["wheelset"]), schema(CASES["two-bodies"])
-    assert case["properties"]["wheel_radius_in"]["minimum"] == pytest.approx(150 / 25.4)
-    assert case["properties"]["wheel_radius_mm"]["minimum"] == 150
+    wheels = case["$defs"]["WheelPair"]["properties"]
+    assert wheels["radius_in"]["minimum"] == pytest.approx(150 / 25.4)
+    assert wheels["radius_mm"]["minimum"] == 150
     disc = next(each for name, each in described["$defs"].items() if name.startswith("Disc"))
     assert "radius_mm" not in disc["required"]
     assert {"anyOf": [{"required": ["radius_mm"]}, {"required": ["radius_in"]}]} in disc["allOf"]
@@ -176,13 +184,15 @@ def test_the_inputs_in_us_units_are_listed(call):
     status, out, _ = call("cases", "wheelset", "--units", "us")
     assert status == 0
     assert re.search(r"gauge_in .*\[default: 56.4961\]", out)
-    assert "Track and wheelset" in out
+    assert re.search(r"^track\.support\.sleepers\b", out, flags=re.MULTILINE)
     assert not re.search(r"^\w+_(mm|kN|MPa|km_h)\b", out, flags=re.MULTILINE)
 
 
 def test_meanings_of_inputs_are_the_same_in_both_systems():
     """Keys, defaults and limits are converted as numbers; what an input means is metric."""
-    metric, us = (CASES["wheelset"].tables_of_inputs(units)[0][1] for units in ("metric", "us"))
+    metric, us = (
+        [row for _, table in CASES["wheelset"].tables_of_inputs(units) for row in table] for units in ("metric", "us")
+    )
     assert [row[3] for row in us] == [row[3] for row in metric]
     assert [row[0] for row in us] == [unit.name if (unit := us_key(key)) else key for key, *_ in metric]
     assert "510 MPa" in {key: meaning for key, *_, meaning in us}["yield_ksi"]
@@ -231,13 +241,13 @@ PLACES = {
     "iterations": lambda value: NewtonSettings(max_iterations=value),
     "penalty": lambda value: Penalty(value, per="length"),
     "reach of nodes": NodeToSegment,
-    "gauge": lambda value: Track(rail(), value),
-    "back to back": lambda value: Wheelset(wheel(), value),
-    "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),
-    "weight": WheelsetLoad,
-    "size in contact": lambda value: Discretisation(contact_size_mm=value),
-    "order of wheelsets": lambda value: Discretisation(order=value),
-    "prescribed motion": lambda value: Prescribed(lateral_mm=value),
+    "gauge": lambda value: Track(gauge_mm=value),
+    "back to back": lambda value: WheelPair(back_to_back_mm=value),
+    "height of the load": lambda value: Load(centre_of_gravity_height_mm=value),
+    "weight": lambda value: Load(axle_load_kN=value),
+    "size in contact": lambda value: Plane(contact_size_mm=value),
+    "order of wheelsets": lambda value: Mesh(order=value),
+    "prescribed motion": lambda value: Position(lateral_mm=value),
     "force of a line contact": lambda value: LineContact(value, 1.0, 1.0),
     "pressure in a cylinder": lambda value: ThickCylinder(1.0, 3.0, value),
 }
@@ -248,6 +258,7 @@ MAY_BE_MISSING = {
     "hanging points",
     "penalty",
     "reach of nodes",
+    "back to back",
     "prescribed motion",
 }
 

@@ -25,6 +25,9 @@ from flangeway.rolling import (
 
 STEEL = Elastic(210e3, 0.28)
 FAST = Friction(0.36, 0.137, decay=1.4)
+STAINLESS = {
+    "temperature_C": 50.0, "conductivity_W_per_m_K": 16.0, "density_kg_m3": 7900.0, "capacity_J_per_kg_K": 500.0,
+}  # fmt: skip
 WARM = Friction(0.4, 0.1, heating=Heating(falls=(80.0, 200.0)))
 
 
@@ -34,13 +37,13 @@ def ellipse(friction: Friction, n: int = 20) -> RollingContact:
 
 def test_a_moving_band_has_its_closed_form() -> None:
     """Even heat q over the length x ahead: 2 q / k sqrt(kappa x / (pi V)), shared by the effusivities; both ways."""
-    steel, other = Heat(10.0), Heat(50.0, conductivity=16.0, density=7900.0, capacity=500.0)
+    steel, other = Heat(temperature_C=10.0), Heat(**STAINLESS)
     heating, n, strip, speed = Heating(steel, other), 40, 0.2, 25.0
     rises = heating.rises(np.full((1, n), 30.0), strip, speed)
     x = 1e-3 * strip * (n - np.arange(n) - 0.5)
     share = steel.effusivity / (steel.effusivity + other.effusivity)
-    diffusivity = steel.conductivity / (steel.density * steel.capacity)
-    exact = 2.0 * share * 30e6 / steel.conductivity * np.sqrt(diffusivity * x / (np.pi * speed))
+    diffusivity = steel.conductivity_W_per_m_K / (steel.density_kg_m3 * steel.capacity_J_per_kg_K)
+    exact = 2.0 * share * 30e6 / steel.conductivity_W_per_m_K * np.sqrt(diffusivity * x / (np.pi * speed))
     np.testing.assert_allclose(rises[0], exact, rtol=1e-12)
     np.testing.assert_allclose(heating.rises(np.full((1, n), 30.0), strip, -speed)[0], exact[::-1], rtol=1e-12)
     assert heating.temperature == pytest.approx(10.0 * share + 50.0 * (1.0 - share))
@@ -90,13 +93,13 @@ def test_transient_steps_with_falling_friction_converge(friction, creepage) -> N
     assert slips.any()
 
 
-REMAINS = SlopeReduction(0.8, 0.3, 2.0)
+REMAINS = SlopeReduction(initial=0.8, remaining=0.3, rate=2.0)
 
 
 @pytest.mark.parametrize(
     ("friction", "size"),
     [
-        (Friction(0.3), 1.0), (replace(FAST, slope=SlopeReduction(0.5)), 1.0), (Friction(0.3, slope=REMAINS), 0.3),
+        (Friction(0.3), 1.0), (replace(FAST, slope=SlopeReduction(initial=0.5)), 1.0), (Friction(0.3, slope=REMAINS), 0.3),
         (replace(WARM, slope=REMAINS), 1.0),
     ],
 )  # fmt: skip
@@ -116,7 +119,7 @@ def test_derivatives_are_those_of_forces_that_fall(friction, size) -> None:
         np.testing.assert_allclose(slopes[:, number], (high - low) / (2.0 * step), atol=5e-3 * scale)
 
 
-@pytest.mark.parametrize("reduction", [SlopeReduction(0.4), REMAINS])
+@pytest.mark.parametrize("reduction", [SlopeReduction(initial=0.4), REMAINS])
 @pytest.mark.parametrize("theory", [roll, fastsim, fastrip, polach, linear_theory])
 def test_a_reduced_slope_is_that_of_reduced_creepages(theory, reduction) -> None:
     """Forces at k times the creepages, and power of the forces and the whole creepages."""
@@ -137,8 +140,8 @@ def test_a_reduced_slope_is_that_of_reduced_creepages(theory, reduction) -> None
     ("wrong", "message"),
     [
         (lambda: Heating(falls=(200.0, 100.0)), "second temperature"),
-        (lambda: Heat(conductivity=0.0), "conductivity"),
-        (lambda: SlopeReduction(1.5), "initial"),
+        (lambda: Heat(conductivity_W_per_m_K=0.0), "conductivity_W_per_m_K"),
+        (lambda: SlopeReduction(initial=1.5), "initial"),
         (lambda: polach(ellipse(WARM), Creepages(0.01)), "theory with tractions"),
         (lambda: roll(ellipse(WARM), Creepages(0.01, speed=0.0)), "steady rolling"),
     ],

@@ -179,7 +179,7 @@ def test_bad_inputs(circle) -> None:
         (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),
         (lambda: polach(circle, Creepages(0.1), slip="half"), "slip <= adhesion"),  # type: ignore[arg-type]
         (lambda: fastsim(circle, Creepages(0.1), n_steps=2.5), "n_steps"),  # type: ignore[arg-type]
-        (lambda: SlopeReduction("half"), "correct the factors"),  # type: ignore[arg-type]
+        (lambda: SlopeReduction(initial="half"), "initial = 'half'"),  # type: ignore[arg-type]
         (lambda: Heating(falls=(100.0, 200.0, 300.0)), "two temperatures"),  # type: ignore[arg-type]
         (
             lambda: RollingContact.under_hertz((1.0,), 1.0, (4, 4), Friction(0.3), circle.materials),  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from flangeway.cases import Wheelset
 from flangeway.cli.batch_commands import values_of
 from flangeway.errors import InputError
 from flangeway.tables import (
@@ -156,7 +157,7 @@ def test_a_position_is_the_mirror_image_of_the_opposite_one(few_points):
         single = np.asarray(computed[name]).dtype == np.float32
         limit = 2.0 * np.finfo(np.float32).eps if single else 1e-9
         np.testing.assert_allclose(found[name], computed[name], rtol=limit, atol=1e-9, err_msg=name)
-    curve = COARSE.from_values({**COARSE.model_dump(exclude_unset=True), "lateral_force_kN": 10.0})
+    curve = COARSE.replaced(load={"lateral_force_kN": 10.0})
     assert not _Build(TableRequest(curve, [0.0], [0.0], [100.0]), 1, lambda _: None).symmetric
 
 
@@ -245,8 +246,9 @@ def test_processes_give_what_this_process_gives(monkeypatch, tmp_path):
         ({"load_kN": [np.nan]}, "load_kN"),
         ({"tolerance": 0.0}, "tolerance = 0"),
         ({"lateral_mm": list(range(3000))}, "3000 positions"),
-        ({"case": COARSE.model_copy(update={"model": "plane"})}, "model = plane"),
-        ({"case": COARSE.from_values({"lateral_mm": 1.0})}, "lateral_mm"),
+        ({"case": Wheelset(contact="plane")}, r"contact\.kind = plane"),
+        ({"case": COARSE.replaced(position={"lateral_mm": 1.0})}, r"position\.lateral_mm"),
+        ({"case": COARSE.replaced(rolling={"speed_km_h": 80.0})}, r"rolling\.speed_km_h"),
     ],
 )
 def test_wrong_requests_are_refused(values, message):
@@ -255,7 +257,7 @@ def test_wrong_requests_are_refused(values, message):
 
 
 COMMAND = (
-    *("creep-table", "wheelset", "--set", "size_scale=8", "--set", "order=1", "--set", "rail_support=fixed"),
+    *("creep-table", "wheelset", "--set", "size_scale=8", "--set", "order=1", "--set", "support=fixed"),
     *("--lateral=0:0.5:0.5", "--yaw", "0", "--load", "100", "--tolerance", "1", "--workers", "1"),
 )
 

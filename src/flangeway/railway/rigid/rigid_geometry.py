@@ -262,7 +262,7 @@ class RigidGeometry:
                     f"a lateral displacement of {wanted[np.argmax(edge)]:g} mm, with a touch at the end of a "
                     "running surface",
                     "touches inside the rails' heads and the wheels' running surfaces",
-                    "check gauge_mm and back_to_back_mm, or give smaller displacements",
+                    "check track.gauge_mm and wheelset.back_to_back_mm, or give smaller displacements",
                 )
             return self.located(positions)
         path, lateral = self._outward(float(np.abs(wanted).max()))
@@ -505,9 +505,10 @@ class RigidGeometry:
             if inside[middle]:
                 return rolls.part(_run_about(inside, middle))
         raise InputError(
-            "gauge_mm and back_to_back_mm do not fit: the wheels touch the rails outside of their running surfaces",
+            "track.gauge_mm and wheelset.back_to_back_mm do not fit: the wheels touch the rails outside of their running "
+            "surfaces",
             "wheels that stand on the heads of the rails",
-            "change gauge_mm or back_to_back_mm",
+            "change one of both",
         )
 
     def _rolled(

@@ -86,11 +86,11 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
         if usual.includes(gauge_mm):
             return usual
     raise InputError(
-        f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
-        "gauge_mm and back_to_back_mm, or a gauge whose wheelsets are known, "
+        f"track.gauge_mm = {gauge_mm:g} without wheelset.back_to_back_mm",
+        "both, or a gauge whose wheelsets are known, "
         + ", ".join(f"{usual.gauge_mm:g}" for usual in USUAL_GAUGES[:-1])
         + f", {USUAL_GAUGES[-1].gauge_mm:g} mm, somewhat narrowed or widened",
-        "give the distance between the wheels' inner faces as back_to_back_mm",
+        "give the distance between the wheels' inner faces as wheelset.back_to_back_mm",
     )
 
 
@@ -429,10 +429,10 @@ def refuse_misfit(track: Track, wheelset: WheelPair) -> None:
 
     An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.
     """
-    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.distance_mm:g} do not fit"
+    given = f"track.gauge_mm = {track.gauge_mm:g} and wheelset.back_to_back_mm = {wheelset.distance_mm:g} do not fit"
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
     usual = [gauge for gauge in USUAL_GAUGES if gauge.includes(track.gauge_mm)]
-    advice = "check gauge_mm and back_to_back_mm" + "".join(
+    advice = "check both" + "".join(
         f": {gauge.back_to_back_mm:g} goes with {gauge.gauge_mm:g}, and is taken where back_to_back_mm is left out"
         for gauge in usual
     )

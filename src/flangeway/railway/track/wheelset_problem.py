@@ -49,7 +49,7 @@ class YieldingSteel(Steel):
     """The same with a yield strength."""
 
     yield_MPa: Positive | None = None
-    """yield strength, for the shakedown position of patches and warnings (default: 510, rail steel)"""
+    """yield strength, for the shakedown position of patches and warnings (default: 510 MPa, rail steel)"""
 
 
 class Mesh(Record):
