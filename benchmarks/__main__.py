@@ -23,6 +23,7 @@ from benchmarks import (
     spatial,
     stabilisation,
     standing,
+    startup,
     sweep,
     symmetric,
     torsion_assembly,
@@ -46,6 +47,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "pushed": pushed.measurements,
     "wheelset-chain": wheelset_chain.measurements,
     "cache": cache.measurements,
+    "startup": startup.measurements,
     "stabilisation": stabilisation.measurements,
     "worn": worn.measurements,
     "spatial": spatial.measurements,
@@ -60,8 +62,8 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
-CAMPAIGNS = {"polygons", "pushed", "standing", "sweep", "symmetric"}
-"""Many cases that count what converges: most take half an hour or more, and are printed, not recorded."""
+CAMPAIGNS = {"polygons", "pushed", "standing", "startup", "sweep", "symmetric"}
+"""Printed, not recorded: many cases that count what converges, most for half an hour or more, and whole commands."""
 
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
@@ -80,6 +82,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "rolling": rolling.quick,
     "wheelset3d": wheelset3d.quick,
     "standing": standing.quick,
+    "startup": startup.quick,
     "sweep": sweep.quick,
     "damage": damage.quick,
     "symmetric": symmetric.quick,

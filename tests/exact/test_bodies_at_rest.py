@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface, press
+from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, SegmentToSegment, Surface, press
 from flangeway.elements import Lagrange
-from flangeway.geometry import Placement, circle
+from flangeway.geometry import Placement, circle, polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, BodyForce, Part
@@ -108,3 +108,19 @@ def test_no_equilibrium_is_said_with_the_motion_that_nothing_holds() -> None:
         assert len(messages) <= 5
         assert f"`{part.name}` can slide" in solution.status.message
         assert "smaller steps" not in solution.status.message
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.1])
+def test_a_wheel_of_twelve_sides_falls_on_one_of_them_on_a_slope(turn: float) -> None:
+    """A slope of 0.2 rad, below friction and half the angle of a side: it comes to rest, and nothing slides away."""
+    corners = 1.5 * np.exp(1j * (2.0 * np.pi * (np.arange(12) + 0.5) / 12.0 - np.pi / 2.0))
+    mesh = triangulate(polygon(np.column_stack((corners.real, corners.imag)).tolist()), size=0.5)
+    base = block("base", -15.0, -2.0, 30.0, 2.0, "bottom")
+    wheel = Part("wheel", Body("wheel", mesh, Lagrange(1), STEEL), placement=Placement(turn, (0.0, 1.55)))
+    sides = Surface(wheel, mesh.boundary_edges), Surface(base, base.body.mesh.edge_sets["top"])
+    contact = Contact(*sides, NodeToSegment(), Multiplier(), 0.4)
+    load = BodyForce((WEIGHT * np.sin(0.2), -WEIGHT * np.cos(0.2)))
+    solution = press([contact], {}, body_loads={wheel: [load]})
+    assert solution.status.converged, solution.status.message
+    weight = 0.5 * 12.0 * 1.5**2 * np.sin(np.pi / 6.0) * WEIGHT
+    np.testing.assert_allclose(solution.forces, [[-weight * np.sin(0.2), weight * np.cos(0.2)]], rtol=1e-5)

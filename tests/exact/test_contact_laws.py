@@ -72,3 +72,18 @@ def test_steps_are_not_halved_for_iterations_that_halving_does_not_save():
 
     assert follow(solve_at, None).status.converged
     assert len(lengths) <= 4
+
+
+@pytest.mark.parametrize(("falls", "converges"), [(False, False), (True, True)])
+def test_steps_are_halved_as_long_as_that_lowers_the_residual(falls, converges):
+    """A step that fails with one residual at any length is tried five times; if the residual falls, until it works."""
+    lengths = []
+
+    def solve_at(position, reached):
+        length = position - (reached.position if reached else 0.0)
+        lengths.append(length)
+        status = Status(length <= 0.01, "", 20, residual=length if falls else 1.0)
+        return SimpleNamespace(status=status, nodal_forces=np.zeros((1, 2)), position=position)
+
+    assert follow(solve_at, None).status.converged == converges
+    assert converges or len(lengths) == 5

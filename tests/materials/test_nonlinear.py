@@ -17,7 +17,7 @@ from flangeway.problems import (
     Traction,
     fixed,
 )
-from flangeway.solve import solve_elasticity, solve_nonlinear
+from flangeway.solve import StepSettings, solve_elasticity, solve_nonlinear
 from flangeway.space import Space
 from flangeway_studies.forms import mapped, membrane
 
@@ -125,7 +125,8 @@ def test_beyond_the_collapse_load_the_status_says_so():
     supports = [PrescribedDisplacement("left", x=0.0), PrescribedDisplacement("bottom", y=0.0)]
     problem = Elasticity(space, ELASTIC, loads=[Traction("right", (1.0, 0.0))], supports=supports)
     limit = 0.3 * 2.0 / np.sqrt(3.0)
-    below, beyond = solve_nonlinear(problem, MATERIALS["perfect"], [0.99 * limit, 1.01 * limit])
+    steps = StepSettings(smallest=0.25)
+    below, beyond = solve_nonlinear(problem, MATERIALS["perfect"], [0.99 * limit, 1.01 * limit], steps=steps)
     assert below.status.converged
     assert not beyond.status.converged
     assert beyond.factor < 1.01 * limit

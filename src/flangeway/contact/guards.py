@@ -360,7 +360,8 @@ def penetrating(
         places, parameters = surfaces[side].guard_places, np.ones(len(points[side]))
         at_edges = parameters[counts[side] :]
         chosen = near[side][counts[side] :]
-        at_edges[chosen] = _deepest(edges[side][chosen], edges[other])
+        if chosen.any():
+            at_edges[chosen] = _deepest(edges[side][chosen], edges[other])
         at = _guard_points(surfaces[side], edges[side], parameters)
         # at the ends of edges nodes have the constraint, and the deepest point may be the guarded one
         near[side][counts[side] :] &= np.abs(at_edges - 0.5) < 0.5 - END_DISTANCE

@@ -73,6 +73,10 @@ SPRING, STIFF_SPRING = 1e-6, 1.0
 """Stiffness of the springs that hold motions within a step, relative to the maximum stiffness of one constraint; and
 the same where the equations with the geometric stiffness had no solution."""
 
+SOFTNESSES = 0.0, 1.0, 0.5, 0.25
+"""Powers of the stiffness of these springs, that of the softest ones over theirs, in the order in which they are tried:
+with friction the equations may have no solution with the softest."""
+
 START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
@@ -99,8 +103,12 @@ ROUND_OFF = 1e-13
 MAX_ROUND_OFF = 1e-3
 """Residual that round-off of the positions excuses, at most: where nothing moves it would excuse any force."""
 
-SLIDE_ITERATIONS = 9
-"""Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
+MAX_SLIDE, MAX_TURN = 0.4, 1.0
+"""Way relative to the size of a part, and angle in rad, after which it slides away if friction has not held its load
+meanwhile: a wheel of eight sides turns by 0.8 from one to the next."""
+
+RELAXATION = 4.0
+"""Factor by which springs are softer with each iteration of such a way: a load just beyond the limit is a slow push."""
 
 MAX_DENSE_EQUATIONS = 4000
 """Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
@@ -281,7 +289,7 @@ class _Run:
                 after = constraints.linearise(self.reference + self.displacements, after)
         here = self._come(came_from, after)
         self.take_over(here)
-        self.stalled, self.corrections, self.stops, self.is_held_back = False, 0, 0, here is not after
+        self.stalled, self.corrections, self.sliding, self.stops, self.is_held_back = False, 0, 0, 0, here is not after
         self.stable: bool | None = None
         self.correct()
 
@@ -401,18 +409,20 @@ class _Run:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         first = len(self.history)
         before = sum(iteration.correction == self.corrections for iteration in self.history)
-        iteration, stops, sliding, touched = -1, self.stops, 0, self._pressed()
+        iteration, stops, slid_from, pressed = -1, self.stops, self.motions, self._pressed()
+        self.sliding = 0
         while (iteration := iteration + 1) < self.settings.max_iterations - before + self.stops - stops:
             if loose := self._approach():
                 return loose
-            if sliding >= SLIDE_ITERATIONS:
+            way = np.where(pressed, np.abs(self.motions - slid_from) / self.parts.lengths, 0.0)
+            if self.sliding and ((way > MAX_TURN) | (self.parts.without_turns(way) > MAX_SLIDE)).any():
                 return self._slides_away()
             # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
             step = self._step() or self._step(bend=False)
             if step is None:
                 return (
                     "not converged: the contact laws of a linearised step have no solution: "
-                    f"{self._worst()}{self._unbalanced()}; check the direction and the size of loads and motions, or "
+                    f"{self._worst()}; check the direction and the size of loads and motions, or "
                     "take a finer mesh or a softer penalty"
                 )
             here, fraction, settle = copy(self), 1.0, len(self.history) >= MEMORY
@@ -427,8 +437,10 @@ class _Run:
                 fraction /= 2.0
                 taken = self._take(here, step, fraction, settle=settle)
             self.history.append(taken)
-            touched, touches = self._pressed(), touched
-            sliding = sliding + 1 if self.unheld.any() and np.array_equal(touched, touches) else 0
+            last_pressed, pressed = pressed, self._pressed()
+            self.sliding += 1
+            if not self.unheld[pressed].any() or not np.array_equal(pressed, last_pressed):
+                self.sliding, slid_from = 0, self.motions
             round_off = 64.0 * EPS * float(np.abs(self.reference).max()) / self._scale()
             floor = min(round_off, MAX_ROUND_OFF)
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
@@ -436,7 +448,8 @@ class _Run:
             self.stalled = not met and is_at_round_off(self.history[first:])
             if met or self.stalled:
                 return None
-        return self._slides_away() if self.unheld.any() else self._explain()
+        # parts without contact still fall, and where it comes and goes it may hold less of the load
+        return (not self.history[-1].changed and self._loose(pressed)) or self._explain()
 
     def _pressed(self) -> Bools:
         """Which motions move a part under contact forces, shape (n,): the others' parts still fall."""
@@ -656,14 +669,18 @@ class _Run:
         if not self.parts.n:
             laws = active_set.Laws(*laws_of, matrix.diagonal())
             return active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, rigid), guess)
-        sprung = rigid.sprung(matrix.diagonal(), spring)
-        last: active_set.Answer | None = None
-        for _ in range(2):
+        stiff, last = rigid.sprung(matrix.diagonal(), spring), None
+        sprung = stiff
+        for softness in SOFTNESSES:
+            if last is not None:
+                sprung = rigid.softly_sprung(stiff, last.forces, softness, RELAXATION**self.sliding)
             laws = active_set.Laws(*laws_of, matrix.diagonal() + sprung.compliances())
             answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+            if answer is None and last is None:
+                return None
             if answer is None:
-                break
-            last, equations = answer, active_set.DenseEquations(matrix, offset, laws, rigid)
+                continue
+            equations = active_set.DenseEquations(matrix, offset, laws, rigid)
             left, right, loose = equations.free_motions(answer)
             self.neutral = np.stack([np.linalg.qr(side)[0] for side in (left, right)])
             basis = _complement(left), _complement(right)
@@ -674,7 +691,9 @@ class _Run:
                 return exact._replace(motions=basis[1] @ exact.motions)
             if self.slides is not None:
                 self.unheld = rigid.unbalanced(answer, self.neutral[0])
-            sprung = rigid.softly_sprung(sprung, answer.forces)
+            if last is not None:
+                return answer
+            last = answer
         return last
 
     def _laws(self, before: _Equations | None, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
@@ -770,13 +789,9 @@ class _Run:
 
     def _explain(self) -> str:
         last = self.history[-1]
-        # where contact comes and goes, it holds the load in part of the iterations, and may do so under less of it
-        if not last.changed and (loose := self._loose()):
-            return loose
-        unbalanced = self._unbalanced()
         advice = "take a softer penalty or a finer mesh"
         if not last.changed:
-            reason = f"the displacements still change by {last.change:.1e} of the maximum one, and {self._worst()}"
+            reason = f"the displacements still change by {last.change:.1e} of the maximum one"
         else:
             positions = self.reference + self.displacements
             named = [self.constraints.describe(key, positions) for key in last.changed[:MAX_NAMED]]
@@ -787,27 +802,21 @@ class _Run:
                 "another size on one side, as half of it, or segment-to-segment"
             )
         count = _counted(len(self.history), "iteration")
-        return f"not converged in {count}: {reason}{unbalanced}; {advice}"
+        return f"not converged in {count}: {reason}; {self._worst()}; {advice}"
 
     def _worst(self) -> str:
-        """Words for the node that is in equilibrium least, or whose constraint's laws are violated most."""
-        laws, nodes, _ = self._residuals()
+        """Words for the motion or node that is in equilibrium least, or the node whose laws are violated most."""
+        laws, nodes, motions = self._residuals()
         names, positions = self.constraints, self.reference + self.displacements
+        if motions.max(initial=0.0) > max(laws.max(initial=0.0), nodes.max()):
+            worst = np.where(np.arange(self.parts.n) == motions.argmax(), 1.0, 0.0)
+            words = "; ".join(self.parts.describe(self.motions, worst[:, None]))
+            return f"a force of {abs(float(self._left() @ worst)):.3g} is not balanced, under which {words}"
         if laws.max(initial=0.0) > nodes.max():
             return f"the laws are violated most at {names.describe(int(self.current.keys[laws.argmax()]), positions)}"
         node = int(nodes.argmax())
         force = float(np.linalg.norm((self._nodal() - self.applied)[node]))
         return f"a force of {force:.3g} is not balanced at {names.describe_node(node, positions)}"
-
-    def _unbalanced(self) -> str:
-        """Words for the maximum force that is left on a handle."""
-        left = self._left()
-        if not (np.abs(left) > MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)).any():
-            return ""
-        most = np.zeros_like(left)
-        most[np.abs(left).argmax()] = 1.0
-        words = "; ".join(self.parts.describe(self.motions, most[:, None]))
-        return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
 
     def _approach(self) -> str:
         """Move handles that nothing touches along their loads until a surface is within reach; words if none comes.
@@ -839,15 +848,15 @@ class _Run:
             travel += min(length, reach)
             self.move(self.motions + step * min(1.0, reach / length))
             self.take_over(self.constraints.linearise(self.reference + self.displacements, self.current))
-        return self._loose()
+        return self._loose(np.ones(self.parts.n, dtype=np.bool_))
 
-    def _loose(self) -> str:
-        """Names the parts that move away because nothing answers to their loads."""
+    def _loose(self, among: Bools) -> str:
+        """Names the parts that move away because nothing answers to their loads, by ``among`` the motions, (n,)."""
         left = self._left()
         velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
         held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(self._nodal()))
         beyond = MAX_FORCE_ALONG_MOTION * np.abs(self.parts.load).max(initial=0.0)
-        pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
+        pushed = np.where(among & (np.abs(left) > beyond) & (held < beyond), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
         if not words:
             return ""
@@ -869,8 +878,9 @@ class _Run:
             if self.start is not None:
                 previous = carried_forces(self.start.linearisation, self.start.forces, self.current)
             friction = active_set.friction_state(*given, self.current.coefficients, previous)
+        residual = self.history[-1].residual if self.history else np.inf
         return ContactState(
-            Status(converged, message, len(self.history), is_unheld=self.is_unheld),
+            Status(converged, message, len(self.history), residual=residual, is_unheld=self.is_unheld),
             self.placements,
             self.displacements,
             self.reference + self.displacements,

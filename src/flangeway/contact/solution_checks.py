@@ -322,12 +322,7 @@ def passages(system: ContactSystem, states: Sequence[ContactState]) -> list[str]
 
     """
     errors = []
-    followed = [contact for contact in system.contacts if contact.follows_curves()]
-    undeformed = [
-        (part.placement, _boundary(system, part, part.placement.points(part.body.nodes), followed))
-        for part in system.parts
-    ]
-    at = cache(lambda step: undeformed if step == 0 else _placed_boundaries(system, states[step - 1]))
+    at = cache(lambda step: _placed_boundaries(system, states[step - 1] if step else None))
     for one, other in dict.fromkeys(contact.parts for contact in system.contacts):
         pressed = [False, *(_press_on_each_other(system, state, {one, other}) for state in states)]
         numbers = system.parts.index(one), system.parts.index(other)
@@ -352,8 +347,12 @@ def _press_on_each_other(system: ContactSystem, state: ContactState, both: set[P
 PlacedBoundary = tuple[Placement, Boundary]
 
 
-def _placed_boundaries(system: ContactSystem, state: ContactState) -> list[PlacedBoundary]:
-    """Placement and deformed boundary of each part in a solution."""
+def _placed_boundaries(system: ContactSystem, state: ContactState | None) -> list[PlacedBoundary]:
+    """Placement and deformed boundary of each part in a solution; None: before any motion and deformation."""
+    if state is None:
+        followed = [contact for contact in system.contacts if contact.follows_curves()]
+        places = [(part, part.placement.points(part.body.nodes)) for part in system.parts]
+        return [(part.placement, _boundary(system, part, at, followed)) for part, at in places]
     assert state.response is not None
     fields = state.response.fields(state.response.rotations(state.placements), state.nodal_forces)
     return list(zip(state.placements, deformed_boundaries(system, state.response, state, fields), strict=True))

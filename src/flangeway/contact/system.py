@@ -388,7 +388,7 @@ edge that turned, and no body: twice that is the thickness of the thinnest body 
 SHALLOW = 0.1
 """Depth relative to the length of an edge up to which a node has not gone through it: guards and averages see to it."""
 
-SMALL_MOVE = 1e-3
+SMALL_MOVE = 3e-3
 """Move relative to the mean length of an edge that takes no node into another surface: all iterations together go less
 deep than `SHALLOW` by such moves."""
 

@@ -132,14 +132,15 @@ class Motions:
         spring = stiffness * (float(compliance.max(initial=0.0)) or 1.0) + 2.0 * unstable
         return replace(self, stiffness=self.stiffness - spring * np.eye(len(self.residual)))
 
-    def softly_sprung(self, sprung: "Motions", forces: Floats) -> "Motions":
-        """With the springs of another one, but as soft as lets the forces on a part move it by its size.
+    def softly_sprung(self, sprung: "Motions", forces: Floats, softness: float, ways: float) -> "Motions":
+        """With the springs of another one, but as soft as lets the forces on a part move it by ``ways`` of its size.
 
-        At least `MIN_SPRING` of those springs stay.
+        At least `MIN_SPRING` of those springs stay. That is at softness 1; at 0 they stay as they are, and between both
+        their stiffness has the power ``softness``.
         """
         stiff = np.diagonal(self.stiffness - sprung.stiffness)
-        soft = np.clip(self.loads(forces) / self.sizes, MIN_SPRING * stiff, stiff)
-        return replace(self, stiffness=self.stiffness - np.diag(soft))
+        soft = np.clip(self.loads(forces) / (ways * self.sizes * stiff), MIN_SPRING, 1.0) ** softness
+        return replace(self, stiffness=self.stiffness - np.diag(soft * stiff))
 
     def compliances(self) -> Floats:
         """Displacement that the motions add to that by each constraint's own force, shape (k,)."""

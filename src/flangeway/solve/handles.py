@@ -223,7 +223,8 @@ class Handles:
             if handle.turns:
                 self._units[components.stop - 1] = 1.0 / size
         solved = [SOLVED if handle.soft_motions == "solved" else 1.0 for handle in self._handles]
-        self.sizes: Floats = np.repeat(np.multiply(self._sizes, solved), counts)
+        self.lengths: Floats = np.repeat(self._sizes, counts)
+        self.sizes: Floats = self.lengths * np.repeat(solved, counts)
         self.numbers: Ints = np.repeat(np.arange(len(counts)), counts)
         self.load: Floats = self.forces(np.zeros(self.n))
 

@@ -96,6 +96,8 @@ class Status:
     stabilisation
         Fraction of the work of internal forces that is that of the elements' stabilisation, of nonlinear problems; None
         where it was not measured.
+    residual
+        Residual of the last iteration, see `Iteration`; infinite where there was none.
     is_unheld
         Whether there is no equilibrium, as nothing holds a rigid motion: no shorter step has one.
 
@@ -107,6 +109,7 @@ class Status:
     digits: float | None = None
     checks: Checks | None = None
     stabilisation: float | None = None
+    residual: float = np.inf
     is_unheld: bool = False
 
     def with_notices(self, *notices: str | None) -> "Status":
@@ -196,7 +199,8 @@ MANY_ITERATIONS = 15
 HELPFUL_DECREASE = 0.75
 """Iterations of a step relative to those of the last one that was halved for their number, up to which that helped."""
 MAX_FAILURES = 5
-"""Solutions in a row that fail, each of half a step, after which halving has not helped."""
+"""Solutions of half a step each that fail, with no smaller residual than those before, after which halving has not
+helped."""
 SMALL_ERROR = 0.2
 """Error of a step, relative to its limit, below which the next one is longer: that of a step grows with its square."""
 
@@ -259,8 +263,8 @@ def follow(
 
     A step that needed few iterations, and whose error is far below its limit, is followed by one of twice its length,
     one that needed many by one of half, as long as that lowers their number; a step that failed, or whose error is too
-    large, is tried again at half its length from the last solution, up to `MAX_FAILURES` that fail in a row. Where
-    nothing holds a motion none is halved.
+    large, is tried again at half its length from the last solution, until `MAX_FAILURES` have failed with no smaller
+    residual than those before. Where nothing holds a motion none is halved.
 
     Parameters
     ----------
@@ -285,7 +289,7 @@ def follow(
     settings = settings or StepSettings()
     state, position, size, at_halving = start, 0.0, settings.first, np.inf
     attempt: State | None = None
-    maximum_total, failures = 0.0, 0
+    maximum_total, failures, residual = 0.0, 0, 0.0
     while True:
         target = position + size
         if target > 1.0 - settings.smallest / 2.0:  # no sliver at the end
@@ -302,14 +306,17 @@ def follow(
             reached = [(position + size / 2.0, middle), (target, end)]
         shorter = reached[0][1] if settings.error is not None and reached[0][1].status.converged else None
         if not attempt.status.converged or (error > 1.0 and size / 2.0 >= settings.smallest):
-            size, failures = size / 2.0, failures + (not attempt.status.converged)
+            size = size / 2.0
+            if not attempt.status.converged:
+                failures += not attempt.status.residual < residual
+                residual = attempt.status.residual if failures == 1 else min(residual, attempt.status.residual)
             if size < settings.smallest or failures == MAX_FAILURES or attempt.status.is_unheld:
                 return attempt
             attempt = shorter if attempt.status.converged else None
             continue
         for reached_position, reached_state in reached:
             accepted(reached_position, reached_state)
-        position, state, attempt, failures = *reached[-1], None, 0
+        position, state, attempt, failures, residual = *reached[-1], None, 0, 0.0
         if target >= 1.0:
             return state
         if max(state.status.iterations for _, state in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:

@@ -181,7 +181,9 @@ HALF_WIDTH: Quantity[PressurePatch] = Quantity(
 PATCH_PRESSURE: Quantity[PressurePatch] = Quantity(
     "max_pressure", "maximum pressure", lambda patch: patch.max_pressure, "MPa", ".6g", remark=lambda p: p.remark
 )
-REMARK: Quantity[Any] = Quantity("max_pressure_remark", "", lambda of: of.remark, meaning="why it is approximate")
+REMARK: Quantity[PressurePatch | PairResult] = Quantity(
+    "max_pressure_remark", "", lambda of: of.remark, meaning="why it is approximate"
+)
 AT_EDGE: Quantity[PressurePatch] = Quantity(
     "reaches_an_end", "reaches an end of the surface", lambda patch: patch.at_edge
 )

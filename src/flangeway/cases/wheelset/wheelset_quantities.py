@@ -419,8 +419,8 @@ def _sum(quantity: Quantity[Any]) -> Quantity[WheelResult]:
     return replace(quantity, of=lambda wheel: wheel.total(quantity.value), factor=1.0)
 
 
-_ELLIPSE: Quantities[Any] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
-_POINTS: Quantities[Any] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
+_ELLIPSE: Quantities[WheelPatch] = (AXES, ANGLE, LONGITUDINAL, ROLLING_RADIUS)
+_POINTS: Quantities[AnyPatch] = (CONTACT_ANGLE, ON_RAIL, ON_WHEEL)
 _HIGHEST: Quantities[WheelResult] = of_part(lambda wheel: wheel.highest, PRESSURE, REMARK)
 PLANE_ROW: Quantities[WheelResult] = (
     *WHEEL,

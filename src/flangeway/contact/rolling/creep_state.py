@@ -40,7 +40,10 @@ class CreepState:
     @cached_property
     def creepages(self) -> Creepages:
         """Creepages at the origin of `contact` in the patch's axes: means of the rows, weighted by their forces."""
-        return self.forces.motion.mean(self.contact.places[0], self.contact.row_shares)
+        motion = self.forces.motion
+        if any(map(np.ndim, (motion.along, motion.across, motion.spin))):
+            return motion.mean(self.contact.places[0], self.contact.row_shares)
+        return motion
 
     @property
     def rolls(self) -> bool:

@@ -93,8 +93,6 @@ class Creepages:
 
     def mean(self, s: Floats, weights: Floats) -> Self:
         """Numbers for all rows at places s with weights whose sum is 1."""
-        if not any(map(np.ndim, (self.along, self.across, self.spin))):
-            return self
         along, across, spin = (np.broadcast_to(creepage[:, 0], s.shape) for creepage in self._rows(len(s)))
         turning = float(spin @ weights)
         ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
