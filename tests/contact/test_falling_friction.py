@@ -99,8 +99,8 @@ REMAINS = SlopeReduction(initial=0.8, remaining=0.3, rate=2.0)
 @pytest.mark.parametrize(
     ("friction", "size"),
     [
-        (Friction(0.3), 1.0), (replace(FAST, slope=SlopeReduction(initial=0.5)), 1.0), (Friction(0.3, slope=REMAINS), 0.3),
-        (replace(WARM, slope=REMAINS), 1.0),
+        (Friction(0.3), 1.0), (replace(FAST, slope=SlopeReduction(initial=0.5)), 1.0),
+        (Friction(0.3, slope=REMAINS), 0.3), (replace(WARM, slope=REMAINS), 1.0),
     ],
 )  # fmt: skip
 def test_derivatives_are_those_of_forces_that_fall(friction, size) -> None:

@@ -505,8 +505,7 @@ class RigidGeometry:
             if inside[middle]:
                 return rolls.part(_run_about(inside, middle))
         raise InputError(
-            "track.gauge_mm and wheelset.back_to_back_mm do not fit: the wheels touch the rails outside of their running "
-            "surfaces",
+            "track.gauge_mm and wheelset.back_to_back_mm do not fit: wheels touch rails beside their running surfaces",
             "wheels that stand on the heads of the rails",
             "change one of both",
         )
