@@ -31,6 +31,7 @@ from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.loads import Load, superelevation_angle
 from flangeway.railway.track.placements import Track, WheelPair
 from flangeway.railway.track.supports import ElasticAxle, Sleepers, WholeSection
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.whole_wheel import whole_wheel
 
 DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
@@ -69,6 +70,10 @@ WRONG = {
     "centre_of_gravity_height_mm": lambda: Load(centre_of_gravity_height_mm=math.nan),
     "axle_load_kN = -1": lambda: Load(axle_load_kN=-1.0),
     "lateral_force_kN = inf": lambda: Load(lateral_force_kN=math.inf),
+    "track.left.friction with no table rolling": lambda: WheelsetProblem(track={"left": {"friction": 0.1}}),
+    "track.right.support with contact.kind": lambda: WheelsetProblem(
+        track={"right": {"support": "fixed"}}, contact="plane"
+    ),
     "superelevation": lambda: superelevation_angle(2000.0, 1600.0),
     "young_MPa": lambda: ElasticAxle(young_MPa=-1.0),
     "a diameter above 0": lambda: ElasticAxle(diameters_mm=((0.0, 170.0), (900.0, 0.0))),

@@ -20,6 +20,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
+from flangeway.errors import located
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, column_names, numbers
 from flangeway.railway.track.placements import SIDES
@@ -71,8 +72,10 @@ class Wheelset(WheelsetProblem, RunnableCase):
         _ = self.wheels
         for side in SIDES:
             self.track.gauge_point(side)
-        if self.rolling is not None:
-            _ = self.friction
+        if self.rolling is not None and self.friction is not None:
+            with located("rolling.falling.kinetic: "):
+                for side in SIDES:
+                    self.rolling.law(self.friction_of(side))
 
     def check_position(self) -> None:
         """See `RunnableCase.check_position`: all of it was checked when the record was made."""

@@ -2,6 +2,7 @@
 
 # ruff: noqa: N815 (units in names)
 import math
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -157,7 +158,12 @@ class Plane(Record):
 WheelRailContact: TypeAlias = Annotated[Spatial | Plane, Field(discriminator="kind")]
 """How wheels and rails touch."""
 
-NOT_IN_A_PLANE = ("track.support", "wheelset.section", "wheelset.axle", "position.yaw_mrad", "rolling")
+OF_ROLLING = ("track.left.friction", "track.right.friction")
+"""Inputs that have an effect where a wheelset rolls."""
+NOT_IN_A_PLANE = (
+    *("track.support", "track.left.support", "track.right.support", "wheelset.section", "wheelset.axle"),
+    *("position.yaw_mrad", "rolling", *OF_ROLLING),
+)
 """Inputs that only three dimensions have."""
 
 
@@ -213,8 +219,10 @@ class WheelsetProblem(WheelsetOnTrack):
                 "leave one of them out",
             )
         if isinstance(self.contact, Plane):
-            self._refuse_without_effect()
-        elif self.rolling is not None:
+            self._refuse_others(NOT_IN_A_PLANE, "contact.kind = plane", "what a slice of wheel and rail has")
+        elif self.rolling is None:
+            self._refuse_others(OF_ROLLING, "no table rolling", "friction of the rails where a wheelset rolls")
+        else:
             speeds = self.rolling.speed_km_h, None if self.load.curve is None else self.load.curve.speed_km_h
             if not any(speeds) or None not in speeds:
                 raise refused_by_check(
@@ -232,15 +240,14 @@ class WheelsetProblem(WheelsetOnTrack):
         _ = self.forces
         return self
 
-    def _refuse_without_effect(self) -> None:
-        for path in NOT_IN_A_PLANE:
+    def _refuse_others(self, paths: Iterable[str], there_is: str, allow: str) -> None:
+        """Refuse inputs that have no effect with what there is, if they are not those by default."""
+        for path in paths:
             value: Any = self
             for name in path.split("."):
                 there, value = value, getattr(value, name)
             if value != type(there).model_fields[name].default:
-                raise refused_by_check(
-                    f"{path} with contact.kind = plane", "what a slice of wheel and rail has", f"leave {path} out"
-                )
+                raise refused_by_check(f"{path} with {there_is}", allow, f"leave {path} out")
 
     @property
     def bodies(self) -> tuple[Record, ...]:
