@@ -10,6 +10,7 @@ import typer
 
 from flangeway.cases.case_file import CASES
 from flangeway.cli import app
+from flangeway.records import path_by_ending
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -47,11 +48,11 @@ def parsed(words):
 
 
 def refuse_unknown_keys(name, values):
-    """Fail if a case of the package is given a key that it does not have."""
+    """Fail if a case of the package is given an input that it does not have."""
     case = CASES.get(values.get("case") or values.get("case_or_file") or "")
     if name in {"run", "converge", "check"} and case is not None:
-        keys = {item.partition("=")[0] for item in values.get("settings") or values.get("set") or ()}
-        assert keys <= case.model_fields.keys(), keys - case.model_fields.keys()
+        for item in values.get("settings") or values.get("set") or ():
+            path_by_ending(case, item.partition("=")[0])
 
 
 def test_the_page_of_the_command_line_is_what_the_commands_say():
