@@ -2,7 +2,7 @@
 
 import pytest
 
-from flangeway.cases import find_case
+from flangeway.cases import find_case, load_case
 from flangeway.errors import InputError
 
 BLOCK = {"rectangle": {"width_mm": 2.0, "height_mm": 1.0}, "size_mm": 0.5}
@@ -34,14 +34,23 @@ def test_legs_that_follow_each_other_are_allowed():
     blocks(motions=moved(2), loads=[{"body": "upper", "edges": "left", "pressure_MPa": 0.1}]).check()
 
 
-@pytest.mark.parametrize("case", ["wheelset", "wheelset-curve"])
+@pytest.mark.parametrize("name", ["wheelset", "wheelset-curve"])
 @pytest.mark.parametrize(
-    "inputs", [{"rail_body": "nonsense"}, {"rail_body": "60E1"}, {"wheel_body": "S1002"}, {"wheel_body": "plain"}]
+    ("path", "body"), [("track.rail", "nonsense"), ("track.rail", "60E1"), ("wheelset.wheel", "plain")]
 )
-def test_bodies_of_bundled_profiles_are_refused(case, inputs):
+def test_bodies_of_bundled_profiles_are_refused(name, path, body):
     """A body for a file's running surface has no effect on bundled profiles."""
-    with pytest.raises(InputError, match=next(iter(inputs))):
-        find_case(case).from_values(inputs).check()
+    with pytest.raises(InputError, match=path):
+        load_case(name, **{f"{path}.body": body}).check()
+
+
+@pytest.mark.parametrize("key", ["rolling.torque_kNm", "rolling.yaw_stiffness_kNm_per_mrad"])
+def test_what_only_friction_bears_is_refused_without_friction(key):
+    """Torque and guidance need friction on a side at least."""
+    standing = {"rolling.friction": 0.0, "rolling.speed_km_h": 80.0, key: 1.0}
+    with pytest.raises(InputError, match=key):
+        load_case("wheelset", **standing)
+    load_case("wheelset", **standing, **{"track.left.friction": 0.2})
 
 
 def test_layers_and_units_without_a_file_are_refused():

@@ -64,7 +64,7 @@ def test_a_shift_is_that_of_cattaneo_and_mindlin():
 @pytest.mark.parametrize("theory", ["exact", "polach"])
 def test_without_friction_there_is_no_force_by_any_theory(theory):
     """A coefficient of 0 is contact without friction: no force, no power, no curve."""
-    found = run(friction=0.0, rolling_theory=theory, curve="longitudinal")
+    found = run(friction=0.0, theory=theory, curve="longitudinal")
     assert found.status.converged
     assert not found.curve
     assert len(found.theories) > 3
@@ -140,9 +140,9 @@ def test_flash_temperature_and_reduced_slope_reach_the_summary():
     plain = run(longitudinal_creepage=0.02)
     summary = plain.parts()
     assert summary["flash_temperature_K"] == plain.state.forces.flash_temperatures.max()
-    falls = {"kinetic_friction": 0.1, "friction_falls_from_C": 30.0, "friction_falls_to_C": 200.0}
+    falls = {"falling": {"kinetic": 0.1, "between_C": [30.0, 200.0]}}
     warm = run(longitudinal_creepage=0.02, **falls).parts()
     assert abs(warm["longitudinal_force_kN"]) < 0.9 * abs(summary["longitudinal_force_kN"])
     assert "Polach" not in [row["theory"] for row in warm["theories"]]
-    small = [run(longitudinal_creepage=1e-5, slope_factor=factor).state.forces.along for factor in (1.0, 0.5)]
+    small = [run(longitudinal_creepage=1e-5, slope={"initial": factor}).state.forces.along for factor in (1.0, 0.5)]
     assert small[1] == pytest.approx(small[0] / 2.0, rel=0.01)

@@ -239,7 +239,7 @@ def test_section_of_a_file(call, tmp_path):
     [("theor", "rolling.theory"), ("wheell", "wheelset.wheel"), ("zzzqq", None), ("cells", "contact.patch_cells")],
 )
 def test_an_unknown_input_names_similar_ones(call, key, first):
-    """Of nearly 200 inputs a message has at most five, one that contains the word first, and the command that lists all."""
+    """Of nearly 200 inputs a message has at most five, those with the word first, and the command that lists all."""
     status, _, error = call("run", "wheelset", "--set", f"{key}=1")
     assert status == 2
     line = next(line for line in error.splitlines() if line.strip().startswith("allowed"))
