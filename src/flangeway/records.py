@@ -573,9 +573,11 @@ def _set(table: Any, record: type[Record] | None, path: list[str], value: Any, n
             there = {TAG if there in map(kind_of, kinds) else needed: there}
         known[item] = dict(there) if isinstance(there, Mapping) else {}
     if item not in known or not inner:
+        names = [*known] if record is None or isinstance(table, list) else [*record.model_fields]
+        advice = "name tables by their keys, and items of lists by their numbers from 1 or their names"
         raise InputError(
-            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(known) or 'nothing'}",
-            "name tables by their keys, and items of lists by their numbers from 1 or their names",
+            f"--set {name}", f"at {above or 'the top'} one of: {', '.join(names) or 'nothing'}",
+            closest(item, names) if similar(item, names) else advice,
         )  # fmt: skip
     kind = next((kind for kind in kinds if inner[0] in kind.model_fields), None)
     if isinstance(table, list):
@@ -631,6 +633,8 @@ def _input_error(
         table = kinds[0]
         if key in faults or _is_of_another_type(error, field, given):  # refused by each of several types
             continue
+        if error["type"] == "union_tag_invalid":
+            key, given = (*key, TAG), given[TAG]
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
         if error["type"] == "value_error":  # of what excludes each other, or of a check of the record
@@ -662,9 +666,9 @@ def _is_of_another_type(error: Any, field: FieldInfo | None, given: Any) -> bool
 
 def _of_check(error: Any, place: str, key: Key) -> tuple[str, str, str]:
     reason = error["ctx"]["error"]
-    if isinstance(reason, InputError):
-        return f"{place}{reason.given}", reason.allowed, reason.advice
     above = f"{key_text(key)}: " if key else ""
+    if isinstance(reason, InputError):
+        return f"{place}{above}{reason.given}", reason.allowed, reason.advice
     return f"{place}{above}{reason}", "one of them", "leave one of them out"
 
 

@@ -128,7 +128,7 @@ def test_superelevation_follows_the_curve(sign):
 def test_geometry_and_run_have_one_default_wheelset(name):
     """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`."""
     own, main = find_geometry_case(name, {}), Wheelset()
-    assert (own.track, own.wheels, own.load) == (main.track, main.wheels, main.load)
+    assert (own.track, own.wheels, own.load.weight_N) == (main.track, main.wheels, main.load.weight_N)
     assert own.forces.vertical_N == main.forces.vertical_N == 200e3
 
 

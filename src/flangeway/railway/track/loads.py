@@ -18,7 +18,7 @@ CENTRE_OF_GRAVITY_MM = 1457.7  # height above the axle of the source's car (Mohe
 def _is_not_zero(radius_m: float) -> float:
     if radius_m == 0.0:
         raise refused_by_check(
-            "radius_m = 0",
+            "a radius of 0",
             "a radius above 0 for a curve to the left, below 0 for one to the right",
             "give a radius, or leave the curve out on straight track",
         )
