@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
 PICTURES = {
     "run wheelset": {"wheelset.png": ("wheelset", 1400)},
-    "run wheelset --set curve_radius_m=300 --set speed_km_h=80 --set superelevation_mm=100": {
+    "run wheelset --set curve.radius_m=300 --set curve.speed_km_h=80 --set curve.superelevation_mm=100": {
         "wheelset.png": ("gallery-wheelset", 1100),
         "patches.png": ("gallery-patches", 900),
         "rails.png": ("gallery-rails", 900),

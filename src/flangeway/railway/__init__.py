@@ -1,6 +1,6 @@
 """Wheel and rail: profiles and their files, track and wheelset, rigid contact and conicity, equilibrium, wear.
 
-What notebooks and scripts need stands here; all is loaded when it is first used. `flangeway.wheelset` runs the case.
+What notebooks and scripts need stands here; all is loaded when it is first used. `Wheelset(...).solve()` runs the case.
 
 - profiles: bundled ones by `rail` and `wheel`; files by `read_profile` with `ReadOptions`, and `joined` to a body;
 - `Track` and `WheelPair` with their measures, `Load`, `Curve` and `Position`;

@@ -387,8 +387,8 @@ def _reference_rail() -> RailProfile:
         title=REFERENCE_RAIL,
         outline=outline,
         unworn=outline.part(nominal.running_names),
-        certainty=f"{_REFERENCE_CERTAINTY} With rail_inclination = {_REFERENCE_SLOPE:g} the head is inclined as there; "
-        "the body is that of a 60E1.",
+        certainty=f"{_REFERENCE_CERTAINTY} With track.inclination = {_REFERENCE_SLOPE:g} the head is inclined as "
+        "there; the body is that of a 60E1.",
         source=_REFERENCE_SOURCE,
     )
 

@@ -471,9 +471,9 @@ def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     if lean > 0.0:
         return (
             f"{what}: if it was measured in the track's axes it holds the rail's inclination; give "
-            f"rail_inclination = 0 then.",
+            f"track.inclination = 0 then.",
         )
-    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and rail_inclination = 0.",)
+    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and track.inclination = 0.",)
 
 
 def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
