@@ -158,7 +158,7 @@ def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
 
 def test_failures_are_grouped_by_reason(tmp_path):
     """A row that fails says why, has no numbers, and is reported at the end with others of the same reason."""
-    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nvertical_mm = [-0.5, 30.0, 31.0]\n'
+    text = 'case = "wheelset"\n[inputs]\nsize_scale = 8\ncontact = "plane"\n[vary]\nvertical_mm = [-0.5, 30.0, 31.0]\n'
     campaign, found = computed(tmp_path, text)
     assert found.rows["status"][0] == "converged"
     assert "converged" not in found.rows["status"][1:]

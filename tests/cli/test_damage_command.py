@@ -14,18 +14,18 @@ from flangeway.railway.profiles.profile_file import read_profile
 FILE = """
 [inputs]
 size_scale = 6
-order = 1
-rail_support = "continuous"
+mesh.order = 1
+track.support = "continuous"
 axle = "rigid"
 patch_cells = 10
 friction = 0.3
-speed_km_h = 80
 yaw_stiffness_kNm_per_mrad = 10
-rolling_theory = "fastsim"
+theory = "fastsim"
 
 [[states]]
 share = 1
-curve_radius_m = 600
+curve.speed_km_h = 80
+curve.radius_m = 600
 
 [wear.wheel]
 law = "energy"
@@ -55,19 +55,23 @@ def written(tmp_path):
 
 def test_all_paths_of_a_file_take_us_units(written) -> None:
     """Inputs, states, their ranges, settings, limits and strategies in US units are the same as the metric ones."""
-    end, states = "end = 100\n", "curve_radius_m = 600"
+    end, states = "end = 100\n", "curve.speed_km_h = 80\ncurve.radius_m = 600"
     more = "{}\n[limits]\n{}\n[strategies.wide.inputs]\n{}\n"
     metric = DamageFile.read(
         written(
-            ("speed_km_h = 80", "speed_km_h = 80\ngauge_mm = 1435.1\naxle_load_kN = 150"),
-            (states, "curve_radius_m = [609.6, 304.8]\nparts = 2\naxle_load_kN = 160"),
+            ("patch_cells = 10", "patch_cells = 10\ngauge_mm = 1435.1\naxle_load_kN = 150"),
+            (states, "curve.speed_km_h = 80\ncurve.radius_m = [609.6, 304.8]\nparts = 2\naxle_load_kN = 160"),
             (end, end + more.format("max_depth_mm = 0.0254", "max_tread_wear_mm = 2.54", "gauge_mm = 1447.8")),
         )
     ).strategies()
     us = DamageFile.read(
         written(
-            ("speed_km_h = 80", f"speed_mph = {80 / 1.609344!r}\ngauge_in = 56.5\naxle_load_kN = 150"),
-            (states, f"curve_radius_ft = [2000, 1000]\nparts = 2\naxle_load_kip = {160 / 4.4482216152605!r}"),
+            ("patch_cells = 10", "patch_cells = 10\ngauge_in = 56.5\naxle_load_kN = 150"),
+            (
+                states,
+                f"curve.speed_mph = {80 / 1.609344!r}\ncurve.radius_ft = [2000, 1000]\nparts = 2\n"
+                f"axle_load_kip = {160 / 4.4482216152605!r}",
+            ),
             (end, end + more.format("max_depth_in = 0.001", "max_tread_wear_in = 0.1", "gauge_mm = 1447.8")),
         )
     ).strategies()
@@ -76,18 +80,16 @@ def test_all_paths_of_a_file_take_us_units(written) -> None:
         assert other.evolution.settings == one.evolution.settings
         for state, same in zip(one.evolution.collective.states, other.evolution.collective.states, strict=True):
             assert same.problem.track.gauge_mm == state.problem.track.gauge_mm
-            assert same.problem.load.vertical_N == pytest.approx(state.problem.load.vertical_N, rel=1e-14)
-            assert same.problem.load.lateral_N == pytest.approx(state.problem.load.lateral_N, rel=1e-12)
+            assert same.problem.forces.vertical_N == pytest.approx(state.problem.forces.vertical_N, rel=1e-14)
+            assert same.problem.forces.lateral_N == pytest.approx(state.problem.forces.lateral_N, rel=1e-12)
     assert us["wide"].evolution.collective.states[0].problem.track.gauge_mm == 1447.8
 
 
 def test_inputs_of_a_bundled_collective_in_us_units_are_refused(written) -> None:
     """An input in US units that a bundled collective has is refused as the metric one is."""
-    states = ("[[states]]\nshare = 1\ncurve_radius_m = 600", "")
+    states = ("[[states]]\nshare = 1\ncurve.speed_km_h = 80\ncurve.radius_m = 600", "")
     for key in ("gauge_in = 56.5", "gauge_mm = 1435.1"):
-        file = written(
-            states, ("friction = 0.3\nspeed_km_h = 80", key), ("[inputs]", 'collective = "tangent"\n[inputs]')
-        )
+        file = written(states, ("friction = 0.3\n", f"{key}\n"), ("[inputs]", 'collective = "tangent"\n[inputs]'))
         with pytest.raises(InputError, match=f"line 9: {key[:8]} with a bundled collective"):
             DamageFile.read(file).strategies()
 
@@ -116,7 +118,7 @@ def test_files_hold_what_was_computed(written, tmp_path, call) -> None:
 @pytest.mark.ci
 def test_states_without_equilibrium_are_told(written, tmp_path, call) -> None:
     """A state that overturns is named, and the page says what stands for it."""
-    fast = "[[states]]\nname = 'fast'\nshare = 0.5\ncurve_radius_m = 200\nspeed_km_h = 200"
+    fast = "[[states]]\nname = 'fast'\nshare = 0.5\ncurve.radius_m = 200\ncurve.speed_km_h = 200"
     parts = ("share = 1\n", "share = 0.5\n"), ("radius_m = 600\n", f"radius_m = 600\n{fast}\n"), AT_ONCE
     file, out = written(*parts), tmp_path / "out"
     assert call("damage", str(file), "--out", str(out), "--no-pictures", "--quiet")[0] == 1
@@ -131,7 +133,7 @@ def test_states_without_equilibrium_are_told(written, tmp_path, call) -> None:
 def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> None:
     """A strategy has the numbers of a file of its own with the same changes, and the page has all of them."""
     changes = {
-        "inputs": ("curve_radius_m = 600", "curve_radius_m = 500"),
+        "inputs": ("curve.radius_m = 600", "curve.radius_m = 500"),
         "wear.wheel": ("constant = 0.5", "constant = 0.2"),
     }
     tables = "".join(f"[strategies.sharp.{table}]\n{new}\n" for table, (_, new) in changes.items())
@@ -146,7 +148,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
     areas = [compared[name]["right_wheel_area_mm2"] for name in compared]
     assert areas[0] > 1.1 * areas[1]
     page = (tmp_path / "both" / "report.html").read_text()
-    assert "inputs.curve_radius_m = 500, wear.wheel.constant = 0.2" in page
+    assert "inputs.curve.radius_m = 500, wear.wheel.constant = 0.2" in page
     assert all(f"{area:.5g}" in page for area in areas)
     with (tmp_path / "both" / "steps.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["strategy"] == "sharp"]
@@ -164,16 +166,16 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
         ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),
-        ([("order = 1", 'order = 1\nwheel = "gone.whl"')], ("line", "wheel = 'gone.whl'", "no such file")),
+        ([("mesh.order = 1", 'mesh.order = 1\nwheel = "gone.whl"')], ("line", "wheel = 'gone.whl'", "no such file")),
         ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
         ([("[inputs]", 'collective = "metro"\n[inputs]')], ("collective",)),
-        ([("friction = 0.3", "")], ("friction",)),
+        ([("friction = 0.3", "friction = 0")], ("rolling.friction = 0",)),
         ([('unit = "mm3/kJ"', 'unit = "mm3/kJ"\nper_patch = "no"')], ("line 21", "per_patch = 'no'", "true or false")),
         (
             [("end = 100", "end = 100\n[limits]\nmax_side_wear_mm = 4")],
             ("max_side_wear_mm", "rails, which do not wear"),
         ),
-        ([("order = 1", 'order = 1\nmodel = "plane"')], ("model = 'plane'", "spatial")),
+        ([("patch_cells = 10", 'contact = "plane"')], ("contact.kind = plane", "support")),
         ([("share = 1\n", "share = 1\nparts = 100000000\n")], ("parts", "1000")),
     ],
 )
@@ -189,7 +191,8 @@ def test_wrong_files_are_refused(written, parts, words) -> None:
 def test_bundled_collective_refuses_inputs_that_its_states_have(written) -> None:
     """With a bundled collective a friction of its own would have no effect."""
     file = written(
-        ("[[states]]\nshare = 1\ncurve_radius_m = 600\n", ""), ("[inputs]", 'collective = "metro"\n[inputs]')
+        ("[[states]]\nshare = 1\ncurve.speed_km_h = 80\ncurve.radius_m = 600\n", ""),
+        ("[inputs]", 'collective = "metro"\n[inputs]'),
     )
     with pytest.raises(InputError, match="friction"):
         DamageFile.read(file).damage()
@@ -208,7 +211,7 @@ def test_a_campaign_with_damage_runs_all_combinations(written, tmp_path, call) -
     assert list(strategies) == ["line", "friction 0.2, constant 0.2", "friction 0.2, constant 0.3"]
     for constant, inputs in zip((0.2, 0.3), list(strategies.values())[1:], strict=True):
         assert inputs.evolution.laws["wheel"].constant == constant
-        assert inputs.evolution.collective.states[0].model.rolling.friction.limits[0] == 0.2
+        assert inputs.evolution.collective.states[0].problem.rolling.coefficient == 0.2
     file.write_text('damage = "line.toml"\n[vary.inputs]\nfriction = [0.2]\n')
     assert call("campaign", str(file), "--out", str(out), "--no-pictures", "--quiet")[0] == 0
     found = json.loads((out / "summary.json").read_text())["strategies"]

@@ -53,7 +53,7 @@ def test_the_title_says_what_is_changed():
     values = {"step_mm": 0.5, "maximum_lateral_mm": 2.0, "wheel": "AAR-1B"}
     title = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values)).summary["title"]
     assert title.startswith("S1002 on 60E1 at 1:40")
-    assert title.endswith("; changed: wheel = AAR-1B, maximum_lateral_mm = 2.0, step_mm = 0.5")
+    assert title.endswith("; changed: wheelset.wheel = AAR-1B, scan.maximum_lateral_mm = 2.0, scan.step_mm = 0.5")
 
 
 def test_overturning_ends_with_one(call):

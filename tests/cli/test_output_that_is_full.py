@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.cases import find_case
+from flangeway.cases import load_case
 
 FULL = Path("/dev/full")
-COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
+COARSE = {"size_scale": 6.0, "mesh.order": 1, "support": "continuous"}
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
@@ -34,6 +34,6 @@ def test_a_full_output_is_a_message_and_a_failure(words, tmp_path):
 @pytest.mark.parametrize("lateral", [-1e30, 1e4])
 def test_a_lateral_position_beyond_any_track_is_no_equilibrium(lateral):
     """No wheel stands at a lateral position of kilometres: not converged, in the words of the key."""
-    status = find_case("wheelset").from_values(COARSE | {"lateral_mm": lateral}).run().status
+    status = load_case("wheelset", **COARSE, lateral_mm=lateral).run().status
     assert not status.converged
     assert "lateral_mm" in status.message

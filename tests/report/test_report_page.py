@@ -204,7 +204,7 @@ def test_a_failure_and_notices_are_marked(hertz):
     [
         ("cook", {"poisson": 0.1 + 0.2, "method": "mixed", "level": 2}),
         ("hertz", {"force_N": 1e5 / 3.0, "lower": "block"}),
-        ("wheelset", {"size_scale": 0.1 + 0.2, "inclination": 1 / 30, "rail": "136RE-14in", "support": "fixed"}),
+        ("wheelset", {"size_scale": 0.1 + 0.2, "inclination": 1 / 30, "rail": "136RE-14", "support": "fixed"}),
         ("torsion", {"size": 1.0 / 3.0, "half": True, "poisson": 0.25}),
         ("two-bodies", CASES["two-bodies"].example),
     ],

@@ -157,7 +157,9 @@ class DamageFile(TomlFile):
                 require_known("collective", name, COLLECTIVES)
         # a bundled state gives its own track, speed and friction; inputs of the file the rest
         for bundled in COLLECTIVES.get(name, ()):
-            for key in sorted(key for key in inputs if metric_key(key, bundled)[0] in bundled):
+            for key in flattened(tables.inputs):
+                if metric_key(".".join(path_by_ending(Wheelset, key)), bundled)[0] not in bundled:
+                    continue
                 place = self.place(("inputs", *key.split(".")))
                 raise InputError(
                     f"{place}{key} with a bundled collective, whose states have their own",

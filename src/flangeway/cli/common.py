@@ -6,6 +6,7 @@ NumPy, SciPy, Matplotlib and what needs them are imported inside of functions, s
 import functools
 import inspect
 import os
+import re
 import shlex
 import sys
 import time
@@ -118,7 +119,7 @@ def section_names() -> list[str]:
 
 
 def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Complete the key of ``--set`` for the case that the command names, and names and choices behind ``KEY=``.
+    """Complete path or key of ``--set`` for the case that the command names, and names and choices behind ``KEY=``.
 
     Bash hands over what is behind the sign alone unless its ``COMP_WORDBREAKS`` lacks it.
     """
@@ -132,14 +133,20 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
         named = [GeometryCase]
     elif ctx.info_name == "creep-table":
         named = [CASES["wheelset"]]
-    rows = [row for _, rows in named[0].tables_of_inputs() for row in rows] if named else []
+    choices_of: dict[str, list[str]] = {}
+    for caption, rows in named[0].tables_of_inputs() if named else ():
+        table = re.sub(r"\.[\w-]+: ?", ".", f"{caption}.").strip(".")  # without the kinds of tables
+        for key, _, allowed, _ in rows:
+            choices_of.setdefault(f"{table}.{key}".lstrip("."), allowed.split(" or "))
     chosen, equals, _ = incomplete.partition("=")
-    if equals and (kind := chosen.removeprefix("left_")) in ("rail", "wheel"):
+    kind = chosen.rpartition(".")[2]
+    if not equals:
+        names = dict.fromkeys([*choices_of, *(path.rpartition(".")[2] for path in choices_of)])
+        return [f"{name}=" for name in names if name.startswith(incomplete)]
+    if kind in ("rail", "wheel"):
         values = profile_names(kind)
-    elif equals:
-        values = [value for key, _, allowed, _ in rows if key == chosen for value in allowed.split(" or ")]
     else:
-        return [f"{key}=" for key, *_ in rows if key.startswith(incomplete)]
+        values = next((words for path, words in choices_of.items() if f".{path}".endswith(f".{chosen}")), [])
     return [word for value in values if " " not in value and (word := f"{chosen}={value}").startswith(incomplete)]
 
 
