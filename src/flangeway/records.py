@@ -253,15 +253,12 @@ class Record(_Base):
             for kind in kinds:
                 tag = kind_of(kind) if len(kinds) > 1 else None
                 inner += kind.tables_of_inputs(units, f"{path}{key}{several}.{f'{tag}: ' if tag else ''}")
-            if kinds and not field.is_required():
-                default = default if isinstance(default_of(field), str | float | int) else _default_of_table(field)
-            rows.append((unit.name if unit else key, default, allowed(field, unit), field.description or ""))
+            words = allowed(field, unit)
+            if len(kinds) == 1 and are_tables(field.annotation):
+                words = f"a table, [{path}{key}{several}]"
+                default = default if field.is_required() else "none"
+            rows.append((unit.name if unit else key, default, words, field.description or ""))
         return [(path.rstrip("."), rows), *inner]
-
-
-def _default_of_table(field: FieldInfo) -> str:
-    default = default_of(field)
-    return (kind_of(type(default)) or "all by default") if isinstance(default, Record) else "none"
 
 
 class ByInstance:

@@ -168,7 +168,7 @@ class Track(Record):
     """Two rails."""
 
     rail: RailInput = "60E1"
-    """rail: 60E1, 60E2, 54E1, 49E1, 136RE (crowns: 136RE-8in, 136RE-14in), S-519-A, or a file"""
+    """rail: 60E1, 60E2, 54E1, 49E1, 136RE (other crowns: 136RE-8, 136RE-14), S-519-A, or a file"""
     left: RailSide = RailSide()
     """what the left side has of its own"""
     right: RailSide = RailSide()
