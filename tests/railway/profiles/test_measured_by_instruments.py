@@ -153,14 +153,14 @@ def test_a_left_rail_is_mirrored_with_a_warning(tmp_path):
     right = read_profile(saved(tmp_path, head(3.0), "right.ban"))
     left = saved(tmp_path, head(3.0) * [-1.0, 1.0], "left.ban")
     np.testing.assert_allclose(read_profile(left).points, right.points, atol=1e-8)
-    (warning,) = side_warnings(Track(rail=on_body(left, "60E1")))
+    (warning,) = side_warnings(Track(rail=RailFile(file=left, body="60E1")))
     assert "left-hand" in warning
     assert "track.rail.mirror" in warning
     kept = read_profile(left, ReadOptions(mirror=False))
     np.testing.assert_allclose(kept.points[::-1], right.points * [-1.0, 1.0], atol=1e-8)
     small = saved(tmp_path, head(1.0) * [-1.0, 1.0], "small.ban")
     assert not read_profile(small).orientation.mirrored
-    assert any("field side" in each for each in side_warnings(Track(rail=on_body(small, "60E1"))))
+    assert any("field side" in each for each in side_warnings(Track(rail=RailFile(file=small, body="60E1"))))
 
 
 def test_a_wheel_worn_in_memory_stands_on_its_worn_surface():
