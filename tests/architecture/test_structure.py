@@ -9,6 +9,7 @@ from collections import Counter
 import pytest
 
 from flangeway import cli
+from flangeway.cases import Wheelset
 from tests.architecture.conftest import MODULES, PACKAGE, TREES
 
 MAX_FILES = 20
@@ -104,3 +105,42 @@ def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path)
     rows = re.findall(r"^\| `([\w/]+\.py)` \| (.+?):", text, flags=re.MULTILINE)
     listed = {(file, name.split(".")[-1]) for file, names in rows for name in re.findall(r"`([\w.]+)`", names)}
     assert listed == set(found)
+
+
+MAX_RETURNS = 24
+"""Returns of functions that take the problem, up to the first residual: a third of those with nested records."""
+
+
+def test_the_main_job_passes_one_problem_from_the_command_to_the_residual(monkeypatch, tmp_path) -> None:
+    """From `run wheelset` to the first residual there are at most 9 functions, and the problem is the case itself."""
+    problems, functions, returns = {}, [], Counter()
+
+    def watch(frame, event, _):
+        if not frame.f_code.co_filename.startswith(str(PACKAGE)):
+            return
+        if (frame.f_code.co_name, event) == ("linearise", "call"):
+            sys.setprofile(None)
+            on_stack = [call for call in traceback.extract_stack(frame) if str(PACKAGE) in call.filename]
+            functions.extend(call.name for call in on_stack)
+            raise Reached
+        # parameters alone, without that of a method's own object
+        given = frame.f_code.co_varnames[: frame.f_code.co_argcount + frame.f_code.co_kwonlyargcount]
+        values = [frame.f_locals.get(name) for name in given if name not in ("self", "cls")]
+        passed = [value for value in values if isinstance(value, Wheelset)]
+        problems.update({id(value): value for value in passed})
+        if passed and event == "return":
+            returns[frame.f_code.co_qualname] += 1
+
+    words = ["run", "wheelset", "--order", "1", "--size-scale", "8", "--set", "patch_cells=10", "--out", str(tmp_path)]
+    monkeypatch.setattr(sys, "argv", ["flangeway", *words])
+    sys.setprofile(watch)
+    try:
+        with pytest.raises((Reached, SystemExit)):
+            cli.main()
+    finally:
+        sys.setprofile(None)
+    functions = functions[functions.index("command") :]
+    assert functions[-1] == "linearise"
+    assert len(functions) <= MAX_FUNCTIONS
+    assert len(problems) == 1
+    assert 0 < sum(returns.values()) <= MAX_RETURNS, returns
