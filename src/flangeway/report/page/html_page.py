@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 from flangeway.cases import Convergence
 from flangeway.cases.case import OF_REPORT, Case, RunnableCase
 from flangeway.cases.case_file import toml_value, write_case_file
-from flangeway.cases.summary import RunResult, summary_text
+from flangeway.cases.summary import RunResult, mapped, summary_text
 from flangeway.checks import is_number
 from flangeway.quantities import measured
 from flangeway.records import alternatives, are_tables, entries_of, records_in
@@ -137,7 +137,10 @@ def _plain(value: object, digits: int = 10) -> str:
     if value is None:
         return "–"
     if isinstance(value, list | tuple | Mapping):
-        text = toml_value(value)
+        rounded = mapped(value, lambda _, each: float(f"{each:.{digits}g}") if isinstance(each, float) else each)
+        text = toml_value(rounded)
+        if len(text) > MAX_LETTERS and isinstance(rounded, list):  # in any units the same items
+            text = f"{toml_value(rounded[:2])[:-1]}, ...]"
         return text if len(text) <= MAX_LETTERS else f"{text[: MAX_LETTERS - 4]} ..."
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
