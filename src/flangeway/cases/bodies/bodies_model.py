@@ -11,7 +11,6 @@ from flangeway.cases.bodies.bodies_shape import (
     BodyShape,
     BodyTable,
     ContactTable,
-    Ints,
     LoadTable,
     PlaceTable,
     SpringTable,
@@ -20,7 +19,6 @@ from flangeway.cases.bodies.bodies_shape import (
     body_shape,
     edges_at,
     elastic,
-    free_edges,
     keys_of_place,
     point_at,
 )
@@ -40,6 +38,7 @@ from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
+from flangeway.geometry.arrays import IntArray
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
@@ -149,6 +148,7 @@ class _Builder:
         self.tables = {body.name: body for body in case.bodies}
         self.shapes: dict[str, BodyShape] = {}
         self.meshes: dict[str, PolyMesh] = {}
+        self.named: dict[str, dict[str, IntArray]] = {name: {} for name in self.tables}  # edges of supports and loads
         self.mixed: set[str] = set()
         self.in_contact = {name for table in case.contacts for name in (table.secondary, table.primary)}
 
@@ -203,7 +203,10 @@ class _Builder:
                 continue
             key = f"contacts[{number}]"
             for role, name in (("secondary", table.secondary), ("primary", table.primary)):
-                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", self._touching(table, role, key))
+                mesh, edges = self.meshes[name], getattr(table, f"{role}_edges")
+                with located(f"{key}.{role}{'' if edges is None else '_edges'}: "):
+                    touching = mesh.edge_set(edges, within=getattr(table, f"{role}_box_mm"))
+                self.meshes[name] = mesh.with_edge_set(f"{key}.{role}", touching)
             orders = [self.tables[name].order for name in (table.secondary, table.primary)]
             if orders[0] != orders[1]:
                 raise InputError(
@@ -277,7 +280,7 @@ class _Builder:
             return Pressure(where, table.pressure_MPa)
         if table.traction_MPa is not None:
             return Traction(where, table.traction_MPa)
-        ends = self.meshes[table.body].points[self.meshes[table.body].edge_sets[where]]  # (n, 2 ends, 2)
+        ends = mesh.points[self.named[table.body][where]]  # (n, 2 ends, 2)
         widths = 2.0 * np.pi * ends[:, :, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         area = float((lengths * widths).sum()) * self.case.thickness_mm
@@ -295,9 +298,7 @@ class _Builder:
             raise InputError(
                 f"{key} without a position", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "give one of these"
             )
-        lines = (table.at_x_mm, table.at_y_mm)
-        pairs = edges_at(mesh, table.body, table.edges, table.box_mm, lines, key, "edges")
-        self.meshes[table.body] = mesh.with_edge_set(key, pairs)
+        self.named[table.body][key] = edges_at(mesh, table, key)
         return key
 
     def _body(self, name: str) -> BodyModel:
@@ -306,6 +307,7 @@ class _Builder:
         loads = [self._load(row, key) for key, row in self._rows(case.loads, "loads", name)]
         springs = [self._spring(row, key) for key, row in self._rows(case.springs, "springs", name)]
         mesh, element = self.meshes[name], elements_of(table, mixed=name in self.mixed)
+        mesh = replace(mesh, edge_sets={**mesh.edge_sets, **self.named[name]})
         material: Material | Mapping[str, Material] = elastic(table, case.hypothesis)
         if table.materials:
             number = case.bodies.index(table) + 1
@@ -337,25 +339,14 @@ class _Builder:
             contact = Contact(secondary, primary, pairing, Multiplier())
             return replace(contact, enforcement=_enforcement(table, contact), friction=table.friction)
 
-    def _touching(self, table: ContactTable, role: str, key: str) -> Ints:
-        """Edges of a side of a contact, pairs of points (n, 2)."""
-        name, which = getattr(table, role), f"{role}_edges"
-        box = getattr(table, f"{role}_box_mm")
-        return edges_at(self.meshes[name], name, getattr(table, which), box, (None, None), key, which)
-
     def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
-        name = getattr(table, role)
-        edges, part = getattr(table, f"{role}_edges"), bodies[name].part
+        name, edges, part = getattr(table, role), getattr(table, f"{role}_edges"), bodies[getattr(table, role)].part
         assert part is not None
-        pairs = self._touching(table, role, key)
-        free = free_edges(part.body, pairs)
-        if len(free) == 0:
-            raise InputError(
-                f"{key}.{role} = {name!r}: its whole surface is fixed", "a surface that can move", "shorten the support"
-            )
-        if len(free) < len(pairs) and edges is not None:
+        with located(f"{key}.{role}{'' if edges is None else '_edges'}: "):
+            free, n_held = part.body.surface_edges(edges, getattr(table, f"{role}_box_mm"))
+        if n_held and edges is not None:
             self.notices.append(
-                f"{name}: {len(pairs) - len(free)} of the {len(pairs)} edges of its contact surface touch a support "
+                f"{name}: {n_held} of the {n_held + len(free)} edges of its contact surface touch a support "
                 "and are left out of the contact."
             )
         points = self.meshes[name].points[np.unique(free)]
