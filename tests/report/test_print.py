@@ -104,7 +104,10 @@ FILES = {
     "sweep.toml": 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nlateral_mm = [-1, 0, 1]\n',
     "line.toml": DAMAGE,
 }
-ROLLS = {"friction": 0.3, "speed_km_h": 80, "curve_radius_m": 500, "superelevation_mm": 60, "size_scale": 6}
+ROLLS = {
+    "friction": 0.3, "speed_km_h": 80, "curve_radius_m": 500, "superelevation_mm": 60, "size_scale": 6, "order": 1,
+    "patch_cells": 10, "rolling_theory": "fastsim",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(
