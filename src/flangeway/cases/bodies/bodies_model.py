@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,18 +23,10 @@ from flangeway.cases.bodies.bodies_shape import (
     point_at,
 )
 from flangeway.contact import (
-    AugmentedLagrange,
-    Barrier,
     Contact,
     ContactSystem,
-    Multiplier,
-    NodeToNode,
-    NodeToSegment,
-    Penalty,
-    SegmentToSegment,
     Surface,
 )
-from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
@@ -65,15 +57,6 @@ from flangeway.space import Space
 from flangeway.types import Floats
 
 _Row = TypeVar("_Row", SupportTable, LoadTable, SpringTable)
-
-USED_BY = (
-    ("enforcement", ("penalty", "augmented-lagrange"), ("penalty_MPa_mm", "nodal_penalty_N_per_mm")),
-    ("enforcement", ("augmented-lagrange",), ("penetration_mm",)),
-    ("enforcement", ("barrier",), ("barrier_N_per_mm", "barrier_reach_mm")),
-    ("pairing", ("segment-to-segment",), ("weighting",)),
-    ("pairing", ("node-to-segment",), ("slack",)),
-)
-"""Choice of a contact, the values of it that use further inputs, and these."""
 
 LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3", "gravity_m_s2", "temperature_K")
 WHOLE_BODY = ("body_force_N_mm3", "gravity_m_s2", "temperature_K")
@@ -199,7 +182,7 @@ class _Builder:
         """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
         pairs = []
         for number, table in enumerate(self.case.contacts, 1):
-            if table.pairing != "node-to-node":
+            if table.pairing.kind != "node-to-node":
                 continue
             key = f"contacts[{number}]"
             for role, name in (("secondary", table.secondary), ("primary", table.primary)):
@@ -326,18 +309,11 @@ class _Builder:
         return BodyModel(problem, part, problem.load_vector().sum(axis=0))
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
-        for name, used_by, inputs in USED_BY:
-            if getattr(table, name) not in used_by:
-                table.refuse_without_effect(inputs, name, " or ".join(used_by), f"{key}.")
         secondary, primary = (self._surface(table, role, key, bodies) for role in ("secondary", "primary"))
-        pairing = {
-            "segment-to-segment": SegmentToSegment(weighting=table.weighting),
-            "node-to-segment": NodeToSegment(slack=table.slack),
-            "node-to-node": NodeToNode(),
-        }[table.pairing]
         with located(f"{key}: "):
-            contact = Contact(secondary, primary, pairing, Multiplier())
-            return replace(contact, enforcement=_enforcement(table, contact), friction=table.friction)
+            contact = Contact(secondary, primary, table.pairing.pairing)
+            law = table.enforcement.law(contact.suggested_penalty)
+            return replace(contact, enforcement=law, friction=table.friction)
 
     def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
         name, edges, part = getattr(table, role), getattr(table, f"{role}_edges"), bodies[getattr(table, role)].part
@@ -414,23 +390,3 @@ def _whole(table: LoadTable) -> Load:
     if table.temperature_K is not None:
         return TemperatureChange(table.temperature_K, table.cells)
     return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
-
-
-def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:
-    if table.enforcement == "multiplier":
-        return Multiplier()
-    if table.enforcement == "barrier":
-        if table.barrier_N_per_mm is None or table.barrier_reach_mm is None:
-            raise InputError(
-                "a barrier without barrier_N_per_mm or barrier_reach_mm",
-                "both",
-                "start with a thousandth of the expected pressure times the approach, and the approach",
-            )
-        return Barrier(table.barrier_N_per_mm, table.barrier_reach_mm)
-    if table.nodal_penalty_N_per_mm is not None and table.penalty_MPa_mm is not None:
-        raise InputError("penalty_MPa_mm and nodal_penalty_N_per_mm", "one of both", "leave one out")
-    penalty = table.nodal_penalty_N_per_mm or table.penalty_MPa_mm or contact.suggested_penalty
-    per: Literal["node", "length"] = "length" if table.nodal_penalty_N_per_mm is None else "node"
-    if table.enforcement == "penalty":
-        return Penalty(penalty, per)
-    return AugmentedLagrange(penalty, per, table.penetration_mm)

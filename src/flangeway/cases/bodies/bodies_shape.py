@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from flangeway.cases.case import Case
-from flangeway.contact import NodeToSegment
+from flangeway.contact import (
+    AugmentedLagrange,
+    Barrier,
+    Enforcement,
+    Multiplier,
+    NodeToNode,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+)
 from flangeway.contact.node_to_segment import OPEN_SLACK
 from flangeway.errors import InputError, located
 from flangeway.formats import read_mesh, read_section
@@ -51,33 +60,135 @@ T_PER_MM3 = 1e-12
 """Density of 1 kg/m3 in t/mm3, which goes with forces in N and lengths in mm."""
 
 MethodName = Literal["fem", "vem", "vem-triangles"]
-EnforcementName = Literal["multiplier", "augmented-lagrange", "penalty", "barrier"]
 Stabilisation = Annotated[
     Literal["default", "trace"],
     Field(description="stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"),
 ]
-PairingName = Literal["segment-to-segment", "node-to-segment", "node-to-node"]
+
+
+class SegmentPairing(Record):
+    """Gaps averaged over the secondary surface."""
+
+    kind: Literal["segment-to-segment"]
+    """gaps averaged over the secondary surface"""
+    weighting: Literal["standard", "dual"] = "standard"
+    """weights of the gap: hat functions, or their biorthogonal ones"""
+
+    @property
+    def pairing(self) -> SegmentToSegment:
+        """As contacts take it."""
+        return SegmentToSegment(weighting=self.weighting)
+
+
+class NodePairing(Record):
+    """Gaps of the secondary nodes to the primary edges."""
+
+    kind: Literal["node-to-segment"]
+    """gaps of the secondary nodes to the primary edges"""
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OPEN_SLACK)
+    """how far beyond its edge, in parts of the edge, a node stays paired with it"""
+
+    @property
+    def pairing(self) -> NodeToSegment:
+        """As contacts take it."""
+        return NodeToSegment(slack=self.slack)
+
+
+class MatchedPairing(Record):
+    """Gaps of nodes to nodes; the boundaries get each other's nodes."""
+
+    kind: Literal["node-to-node"]
+    """gaps of nodes to nodes: the boundaries get each other's nodes, for small displacements"""
+
+    @property
+    def pairing(self) -> NodeToNode:
+        """As contacts take it."""
+        return NodeToNode()
+
+
+class MultiplierLaw(Record):
+    """Forces as unknowns."""
+
+    kind: Literal["multiplier"]
+    """forces as unknowns, which leave no penetration"""
+
+    def law(self, penalty: float) -> Enforcement:  # noqa: ARG002 (others need one)
+        """As contacts take it; a penalty that is left out is the suggested one."""
+        return Multiplier()
+
+
+class PenaltyLaw(Record):
+    """Pressure in proportion to the penetration."""
+
+    kind: Literal["penalty"]
+    """pressure in proportion to the penetration"""
+    penalty_MPa_mm: Positive | None = None
+    """pressure per penetration (default: from stiffness and edges of the bodies)"""
+    nodal_penalty_N_per_mm: Positive | None = None
+    """force per penetration at a node of node-to-segment, instead of penalty_MPa_mm"""
+
+    exclusive = (("penalty_MPa_mm", "nodal_penalty_N_per_mm"),)
+
+    def law(self, penalty: float) -> Enforcement:
+        """See `MultiplierLaw.law`."""
+        return Penalty(*_penalty(self, penalty))
+
+
+class AugmentedLaw(Record):
+    """A penalty about forces that are corrected."""
+
+    kind: Literal["augmented-lagrange"]
+    """a penalty about forces that are corrected until the penetration is tolerated"""
+    penalty_MPa_mm: Positive | None = None
+    """pressure per penetration (default: from stiffness and edges of the bodies)"""
+    nodal_penalty_N_per_mm: Positive | None = None
+    """force per penetration at a node of node-to-segment, instead of penalty_MPa_mm"""
+    penetration_mm: Positive = 1e-5
+    """tolerated penetration"""
+
+    exclusive = PenaltyLaw.exclusive
+
+    def law(self, penalty: float) -> Enforcement:
+        """See `MultiplierLaw.law`."""
+        return AugmentedLagrange(*_penalty(self, penalty), self.penetration_mm)
+
+
+class BarrierLaw(Record):
+    """Forces of a logarithmic barrier."""
+
+    kind: Literal["barrier"]
+    """forces of a logarithmic barrier, which keeps the surfaces apart"""
+    barrier_N_per_mm: Positive
+    """pressure times gap: a thousandth of the expected pressure times the approach to begin with"""
+    reach_mm: Positive
+    """gap from which there is no pressure: the approach to begin with"""
+
+    def law(self, penalty: float) -> Enforcement:  # noqa: ARG002 (others need one)
+        """See `MultiplierLaw.law`."""
+        return Barrier(self.barrier_N_per_mm, self.reach_mm)
+
+
+def _penalty(law: PenaltyLaw | AugmentedLaw, suggested: float) -> tuple[float, Literal["node", "length"]]:
+    """Value of a penalty, and what it is per."""
+    if law.nodal_penalty_N_per_mm is not None:
+        return law.nodal_penalty_N_per_mm, "node"
+    return law.penalty_MPa_mm or suggested, "length"
+
+
 Pairing = Annotated[
-    PairingName,
+    SegmentPairing | NodePairing | MatchedPairing,
     Field(
-        description="contact discretisation; node-to-node gives the boundaries each other's nodes, for small "
-        "displacements"
+        default_factory=lambda: SegmentPairing(kind="segment-to-segment"),
+        discriminator="kind",
+        description="contact discretisation",
     ),
 ]
-Weighting = Annotated[
-    Literal["standard", "dual"],
-    Field(description="weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"),
-]
-NodalPenalty = Annotated[
-    Positive | None,
-    Field(description="penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"),
-]
-Slack = Annotated[
-    float,
+Law = Annotated[
+    AugmentedLaw | MultiplierLaw | PenaltyLaw | BarrierLaw,
     Field(
-        gt=0.0,
-        le=OPEN_SLACK,
-        description="how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it",
+        default_factory=lambda: AugmentedLaw(kind="augmented-lagrange"),
+        discriminator="kind",
+        description="constraint enforcement",
     ),
 ]
 
@@ -281,22 +392,10 @@ class ContactTable(Record):
     bodies with an outline)"""
     interference: bool = False
     """whether an overlap before any motion is intended: no warning then"""
-    pairing: Pairing = "segment-to-segment"
-    enforcement: EnforcementName = "augmented-lagrange"
-    """constraint enforcement"""
+    pairing: Pairing
+    enforcement: Law
     friction: float = Field(0.0, ge=0.0, le=10.0)
     """coefficient of Coulomb's friction"""
-    barrier_N_per_mm: Positive | None = None
-    """pressure times gap of a barrier, needed for it"""
-    barrier_reach_mm: Positive | None = None
-    """gap from which a barrier has no pressure"""
-    penalty_MPa_mm: Positive | None = None
-    """pressure per penetration (default: from stiffness and edges of the bodies)"""
-    nodal_penalty_N_per_mm: NodalPenalty = None
-    penetration_mm: Positive = 1e-5
-    """tolerated penetration of augmented-lagrange"""
-    weighting: Weighting = "standard"
-    slack: Slack = NodeToSegment.slack
 
 
 class StepsTable(Record):
