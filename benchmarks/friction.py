@@ -27,7 +27,6 @@ from benchmarks.hertz_block_times import QUICK
 from benchmarks.measurement import NO_PEER, Measurement, fastest_in_turns, taken
 from benchmarks.peers import PeerMissingError
 from benchmarks.samples import resident_mb
-from flangeway.cases.bodies.bodies_shape import ARC, CUT
 from flangeway.contact import Contact, Multiplier, NodeToSegment, SegmentToSegment, Surface, press
 from flangeway.elements import Lagrange
 from flangeway.geometry import Placement
@@ -62,10 +61,10 @@ def quick() -> Iterator[Measurement]:
 def push_block(block: Block, approach: float) -> Pressed:
     """Press and push with flangeway: order 2, averaged gaps, multipliers, bodies condensed to their surfaces."""
     start, cpu_start = time.perf_counter(), time.process_time()
-    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, CUT))
+    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, "cut"))
     lower = Part("block", Body("block", block.lower, Lagrange(2), STEEL, "base"))
     surfaces = (
-        Surface(upper, block.zone(block.upper, ARC), block.circle),
+        Surface(upper, block.zone(block.upper, "arc"), block.circle),
         Surface(lower, block.zone(block.lower, "top"), block.outline),
     )
     contact = Contact(surfaces[0], surfaces[1], SegmentToSegment(weighting="dual"), Multiplier(), FRICTION)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_shape import ARC, CUT, BodyTable, body_shape
+from flangeway.cases.bodies.bodies_shape import BodyTable, body_shape
 from flangeway.contact import (
     Contact,
     ContactState,
@@ -76,7 +76,7 @@ def mesh_block(size: float, growth: float) -> Block:
     """Mesh both bodies with triangles that have a size at the contact and grow with the distance from it."""
     arc_deg = 2.0 * float(np.degrees(np.arcsin(FINE / RADIUS)))
     half = {"radius_mm": RADIUS, "centre_mm": [0.0, RADIUS], "half": "lower", "arc_deg": arc_deg}
-    finer = {"edges": ARC, "size_mm": size, "growth": growth}
+    finer = {"edges": "arc", "size_mm": size, "growth": growth}
     table = {"name": "cylinder", "disc": half, "size_mm": 10.0, "fine": [finer]}
     cylinder = body_shape(BodyTable.model_validate(table), "cylinder", [])
     w, h = HALF_SIZE, 2.0 * HALF_SIZE
@@ -181,10 +181,10 @@ class Pressed:
 def press_block(block: Block, n_steps: int = 1) -> Pressed:
     """Press with flangeway: elements of order 2, averaged gaps and multipliers, bodies condensed to their surfaces."""
     start = time.perf_counter()
-    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, CUT))
+    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, "cut"))
     lower = Part("block", Body("block", block.lower, Lagrange(2), STEEL, BASE))
     contact = Contact(
-        Surface(upper, block.zone(block.upper, ARC), block.circle),
+        Surface(upper, block.zone(block.upper, "arc"), block.circle),
         Surface(lower, block.zone(block.lower, TOP), block.outline),
         SegmentToSegment(weighting="dual"),
         Multiplier(),

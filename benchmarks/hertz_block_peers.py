@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from benchmarks.hertz_block import BASE, RADIUS, STEEL, TOP, Block, Floats, Pressed
 from benchmarks.peers import run_calculix, run_python
 from benchmarks.peers.calculix_deck import deck, read_tractions
-from flangeway.cases.bodies.bodies_shape import ARC, CUT
 from flangeway.mesh import PolyMesh
 
 Ints = NDArray[np.int64]
@@ -56,11 +55,11 @@ def quadratic(block: Block, mesh: PolyMesh, contact: str, held: str) -> Quadrati
     middles = mesh.points[mesh.edges].mean(axis=1)
     zone = block.zone(mesh, contact)
     numbers = {name: mesh.edge_numbers(edges) for name, edges in (("zone", zone), ("held", mesh.edge_sets[held]))}
-    if contact == ARC:
+    if contact == "arc":
         centre = np.array([0.0, RADIUS])
-        rays = middles[mesh.edge_numbers(mesh.edge_sets[ARC])] - centre
+        rays = middles[mesh.edge_numbers(mesh.edge_sets["arc"])] - centre
         onto = centre + RADIUS * rays / np.linalg.norm(rays, axis=1)[:, None]
-        middles[mesh.edge_numbers(mesh.edge_sets[ARC])] = onto
+        middles[mesh.edge_numbers(mesh.edge_sets["arc"])] = onto
     corners, edges = (numbers_of.reshape(-1, 3).astype(np.int64) for numbers_of in (mesh.cell_points, mesh.cell_edges))
     return Quadratic(
         np.vstack((mesh.points, middles)),
@@ -72,7 +71,7 @@ def quadratic(block: Block, mesh: PolyMesh, contact: str, held: str) -> Quadrati
 
 def bodies(block: Block) -> tuple[Quadratic, Quadratic]:
     """The cylinder and the block."""
-    return quadratic(block, block.upper, ARC, CUT), quadratic(block, block.lower, TOP, BASE)
+    return quadratic(block, block.upper, "arc", "cut"), quadratic(block, block.lower, TOP, BASE)
 
 
 def press_with_kratos(

@@ -72,11 +72,11 @@ class NarrowContact:
             "primary": other,
             "primary_edges": other_edges,
             "pairing": str(rng.choice(["segment-to-segment", "node-to-segment"])),
-            "enforcement": str(rng.choice(["multiplier", "augmented-lagrange", "penalty"])),
+            "enforcement": {"kind": str(rng.choice(["multiplier", "augmented-lagrange", "penalty"]))},
             "curved": bool(rng.random() < 0.75),
         }
-        if contact["enforcement"] == "augmented-lagrange":
-            contact["penetration_mm"] = 1e-4 * depth
+        if contact["enforcement"]["kind"] == "augmented-lagrange":
+            contact["enforcement"]["penetration_mm"] = 1e-4 * depth
         return cls(
             {
                 "hypothesis": "axisymmetric" if sphere else str(rng.choice(["plane-strain", "plane-stress"])),

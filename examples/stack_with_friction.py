@@ -22,7 +22,7 @@ import itertools
 import numpy as np
 
 import flangeway as fw
-from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, press
+from flangeway.contact import Contact, Surface, press
 from flangeway.mesh import rectangle_grid
 
 HEIGHT, FORCE, SHIFT = 10.0, 1000.0, 0.02
@@ -32,16 +32,15 @@ COEFFICIENTS = (0.5, 0.4, 0.2, 0.3)
 def main() -> None:
     """Press and push the stack, and print what each interface carries."""
     names = ("lower", "block 2", "block 3", "block 4", "upper")
-    parts, surfaces = [], []
+    parts = []
     for number, name in enumerate(names):
         width = 40.0 - 4.0 * number
         mesh = rectangle_grid(width, HEIGHT, 16 - number, 4, origin=(-width / 2.0, number * HEIGHT))
         held = {"lower": "bottom", "upper": "top"}.get(name)
         parts.append(fw.Part(name, fw.Body(name, mesh, fw.Lagrange(1), fw.Elastic(210e3, 0.3), held)))
-        surfaces.append({edges: Surface(parts[-1], mesh.edge_sets[edges]) for edges in ("bottom", "top")})
     contacts = []
-    for (below, above), friction in zip(itertools.pairwise(surfaces), COEFFICIENTS, strict=True):
-        contacts.append(Contact(above["bottom"], below["top"], SegmentToSegment(), Multiplier(), friction))
+    for (below, above), friction in zip(itertools.pairwise(parts), COEFFICIENTS, strict=True):
+        contacts.append(Contact(Surface(above, "bottom"), Surface(below, "top"), friction=friction))
 
     path = [{}, {parts[-1]: fw.Placement(0.0, (SHIFT, 0.0))}]
     solution = press(contacts, path, loads={parts[-1]: (None, -FORCE, None)})

@@ -1,5 +1,6 @@
 """Every example runs, and its own checks hold."""
 
+import ast
 import re
 import runpy
 from pathlib import Path
@@ -17,6 +18,26 @@ def test_example_runs_and_its_checks_hold(path, capsys):
     """The script's `main` ends without an error on a coarse mesh and says what it found."""
     runpy.run_path(str(path))["main"](**ARGUMENTS.get(path.stem, {}))
     assert capsys.readouterr().out
+
+
+MAX_NAMES = 10  # that a first contact needs: of shapes, meshes, bodies, surfaces, and what presses them
+
+
+def first_script_of_the_tutorial():
+    """Return the blocks of the tutorial up to its first contact."""
+    page = (EXAMPLES.parent / "docs" / "tutorials" / "contact.md").read_text(encoding="utf-8")
+    return "\n".join(re.findall(r"```python\n(.*?)```", page.partition("## Compare")[0], re.DOTALL))
+
+
+@pytest.mark.parametrize(
+    "script", [(EXAMPLES / "first_contact.py").read_text(encoding="utf-8"), first_script_of_the_tutorial()]
+)
+def test_a_first_contact_needs_at_most_ten_names_and_no_numpy(script):
+    """A roller is meshed, pressed on a block and its force printed with ten names of the package at most."""
+    imports = [node for node in ast.walk(ast.parse(script)) if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert all(isinstance(node, ast.ImportFrom) and node.module.startswith("flangeway") for node in imports)
+    assert "press(" in script
+    assert len({name.name for node in imports for name in node.names}) <= MAX_NAMES
 
 
 GALLERY = sorted(path for path in (EXAMPLES / "gallery").glob("*.py") if path.stem != "gallery_drawing")

@@ -5,28 +5,24 @@ from gallery_drawing import curves
 from matplotlib.figure import Figure
 
 import flangeway as fw
-from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface, press
+from flangeway.contact import Contact, Surface, press
 from flangeway.exact import LineContact
-from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
+from flangeway.geometry import Placement, half_disc, rectangle
 from flangeway.mesh import Refinement, dual, triangulate
-from flangeway.problems import Body, Part
+from flangeway.problems import Body
 
 
 def main() -> Figure:
     """The largest pressure is Hertz's to 5 %."""
-    arc, cut = Arc((-1.0, 1.0), (1.0, 1.0), (0.0, 1.0), True), Line((1.0, 1.0), (-1.0, 1.0))
-    disc, steel = Outline.from_segments([arc, cut], ["arc", "cut"]), fw.Elastic(210e3, 0.3)
-    fine, parts = Refinement(np.array([[-0.06, 0.0], [0.06, 0.0]]), 0.003, 0.3), []
-    for name, outline, held in (("disc", disc, "cut"), ("block", rectangle(2.0, 1.0, (0.0, -0.5)), "bottom")):
-        mesh = dual(triangulate(outline, size=0.25, refinements=[fine]))
-        parts.append(Part(name, Body(name, mesh, fw.Virtual(2), steel, held)))
+    disc, block = half_disc(1.0, (0.0, 1.0)), rectangle(2.0, 1.0, (0.0, -0.5))
+    fine, steel = Refinement([(-0.06, 0.0), (0.06, 0.0)], 0.003, 0.3), fw.Elastic(210e3, 0.3)
     surfaces = []
-    for part, side in zip(parts, ("arc", "top"), strict=True):
-        edges = part.body.space.mesh.edge_set(side)
-        ends = part.body.space.mesh.points[edges]
-        surfaces.append(Surface(part, edges[(np.hypot(*np.moveaxis(ends, 2, 0)) < 0.1).all(axis=1)]))
-    contact = Contact(surfaces[0], surfaces[1], SegmentToSegment(), Multiplier())
-    found = press([contact], motion={parts[0]: Placement(0.0, (0.0, -3e-3))})
+    for name, outline, held, side in (("disc", disc, "cut", "rim"), ("block", block, "bottom", "top")):
+        mesh = dual(triangulate(outline, size=0.25, refinements=[fine]))
+        part = Body(name, mesh, fw.Virtual(2), steel, held).part
+        surfaces.append(Surface(part, side, within=(-0.1, -0.1, 0.1, 0.1)))
+    contact = Contact(surfaces[0], surfaces[1])
+    found = press([contact], motion={surfaces[0].part: Placement(0.0, (0.0, -3e-3))})
     (patch,) = fw.post.pressure_patches(found.system, found.state)
     hertz = LineContact(float(found.forces[0, 1]), 1.0, steel.plane_modulus / 2.0)
     print(f"largest pressure {patch.pressures.max():.0f} MPa, Hertz {hertz.max_pressure:.0f} MPa")

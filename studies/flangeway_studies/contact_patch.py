@@ -33,15 +33,20 @@ MIN_ERROR, MAX_ERROR = 1e-3, 0.5
 """Relative deviations of the stress between which node-to-segment contact fails the test as published."""
 MEAN_LIMIT = 0.01  # of the mean stress by node-to-segment contact
 LAWS: Mapping[str, Mapping[str, Any]] = {
-    "penalty": {"enforcement": "penalty", "penalty_MPa_mm": PENALTY},
+    "penalty": {"enforcement": {"kind": "penalty", "penalty_MPa_mm": PENALTY}},
     "augmented": {
-        "enforcement": "augmented-lagrange",
-        "penalty_MPa_mm": PENALTY,
-        "penetration_mm": 1e-11 * APPROACH,
+        "enforcement": {
+            "kind": "augmented-lagrange",
+            "penalty_MPa_mm": PENALTY,
+            "penetration_mm": 1e-11 * APPROACH,
+        }
     },
     "multiplier": {"enforcement": "multiplier"},
 }
-NODAL_PENALTY = {"pairing": "node-to-segment", "enforcement": "penalty", "nodal_penalty_N_per_mm": PENALTY}
+NODAL_PENALTY = {
+    "pairing": "node-to-segment",
+    "enforcement": {"kind": "penalty", "nodal_penalty_N_per_mm": PENALTY},
+}
 ELEMENTS = {"T3": ("fem", 1), "T6": ("fem", 2), "VEM1": ("vem", 1), "VEM2": ("vem", 2)}
 MIXED = (("T6", "VEM1"), ("VEM2", "T3"), ("T3", "T6"), ("VEM1", "VEM2"))
 NAMES = {
@@ -84,7 +89,7 @@ def patch_test(sides: tuple[str, str], level: int, keys: Mapping[str, Any], *, m
     run = case.run()
     assert run.contact is not None
     compliance = 2.0 * HEIGHT / STEEL.plane_modulus
-    if case.enforcement == "penalty" and case.pairing != "node-to-segment":
+    if case.enforcement.kind == "penalty" and case.pairing.kind != "node-to-segment":
         compliance += 1.0 / PENALTY
     expected = APPROACH / compliance
     fields = [run.bodies[name].field for name in ("upper", "lower")]
@@ -144,7 +149,7 @@ def _cases() -> Iterator[tuple[tuple[str, str], int, bool, dict[str, Any]]]:
         yield (name, name), 1, True, {}
         yield (name, name), 1, False, rotated
         yield (name, name), 1, True, rotated
-        yield (name, name), 1, False, {"weighting": "dual"}
+        yield (name, name), 1, False, {"pairing": {"kind": "segment-to-segment", "weighting": "dual"}}
     for sides in MIXED:
         yield sides, 1, False, {}
         yield sides, 1, False, rotated

@@ -82,11 +82,12 @@ def published_case(code: str, level: int, variant: str = "printed") -> HertzCase
         "lower_size_mm": lower,
     }
     if variant == "segments":
-        values |= {"enforcement": "multiplier", "weighting": "dual"}
+        values |= {"enforcement": "multiplier", "pairing": {"kind": "segment-to-segment", "weighting": "dual"}}
     else:
         penalty = published_value(f"penalty {'Voronoi' if code[1] == 'V' else 'Delaunay'}", "", level)
-        values |= {"pairing": "node-to-segment", "slack": SLACK, "stabilisation": "trace", "curved": False}
-        values |= {"enforcement": "penalty", "nodal_penalty_N_per_mm": penalty / 2.0 ** (level * (variant == "halved"))}
+        penalty /= 2.0 ** (level * (variant == "halved"))
+        values |= {"pairing": {"kind": "node-to-segment", "slack": SLACK}, "stabilisation": "trace", "curved": False}
+        values |= {"enforcement": {"kind": "penalty", "nodal_penalty_N_per_mm": penalty}}
     return HertzCase.from_values(values)
 
 

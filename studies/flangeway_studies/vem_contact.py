@@ -6,6 +6,7 @@ nothing but the pairing: nodes against segments, averages over segments, and nod
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
@@ -32,10 +33,10 @@ SAME_FORCE, SAME_ERROR = 1e-4, 0.3
 def hertz_case(code: str, level: int, pairing: str) -> HertzCase:
     """The published discs with multipliers between the circles, in one step."""
     given = published_case(code, level, "segments")
-    keys = {name: getattr(given, name) for name in given.model_fields_set} | {"pairing": pairing, "n_steps": 1}
+    values: dict[str, Any] = {**given.written, "n_steps": 1}
     if pairing != "segment-to-segment":
-        del keys["weighting"]
-    return HertzCase.from_values(keys | ({"slack": SLACK} if pairing == "node-to-segment" else {}))
+        values["pairing"] = {"kind": pairing, **({"slack": SLACK} if pairing == "node-to-segment" else {})}
+    return HertzCase.from_values(values)
 
 
 def measured(case: HertzCase, solution: ContactSolution) -> tuple[float, float, float]:

@@ -101,12 +101,12 @@ def test_a_shrink_fit_is_augmented_in_few_iterations(pairing: str) -> None:
 
 def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
     """The pressure of a shrink fit by a small barrier is nearly that of multipliers."""
-    barrier = {"contacts.1.enforcement": "barrier", "contacts.1.barrier_N_per_mm": 1e-3}
-    run = load_case("shrink-fit", **barrier, **{"contacts.1.barrier_reach_mm": 0.01}).run()
+    barrier = {"kind": "barrier", "barrier_N_per_mm": 1e-3, "reach_mm": 0.01}
+    run = load_case("shrink-fit", **{"contacts.1.enforcement": barrier}).run()
     assert run.status.converged, run.status.message
     assert run.summary["contacts"][0]["max_pressure_MPa"] == pytest.approx(60.6, rel=0.02)
-    with pytest.raises(InputError, match="a barrier without"):
-        load_case("shrink-fit", **barrier).check()
+    with pytest.raises(InputError, match=r"no contacts\[1\]\.enforcement\.barrier_N_per_mm"):
+        load_case("shrink-fit", **{"contacts.1.enforcement": "barrier"})
 
 
 @pytest.mark.parametrize(

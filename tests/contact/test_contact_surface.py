@@ -37,6 +37,28 @@ def test_order_and_direction_do_not_matter(order: list[int], turned: list[bool])
     assert surface.nodes.tolist() == Surface(BLOCK, TOP).nodes.tolist()
 
 
+def test_names_and_a_box_make_the_surface_of_their_edges() -> None:
+    """By name it is the surface of the edge set; with a box that of the edges inside; parts share a body's part."""
+    assert Surface(BLOCK, "top").edges.tolist() == TOP.tolist()
+    assert Surface(BLOCK, ["top", "left"]).edges.tolist() == [*TOP.tolist(), *MESH.edge_set("left")[:-1].tolist()]
+    inner = Surface(BLOCK, "top", within=(0.4, 1.0, 2.1, 3.0))
+    assert inner.edges.tolist() == TOP[2:-1].tolist()
+    body = BLOCK.body
+    assert Surface(body.part, "top").part is Surface(body.part, "left").part
+    assert body.part.name == body.name
+
+
+def test_the_surface_by_default_is_all_that_can_move() -> None:
+    """Without edges a surface is the boundary without the edges that meet what is held."""
+    free = Surface(BLOCK)
+    assert len(free.edges) == len(MESH.boundary_edges) - len(MESH.edge_set("bottom")) - 2
+    assert free.part.body.nodes[free.nodes][:, 1].min() == 0.5
+    with pytest.raises(InputError, match="held all along"):
+        Surface(BLOCK, "bottom")
+    with pytest.raises(InputError, match="within"):
+        Surface(BLOCK, TOP, within=(0.0, 0.0, 1.0, 1.0))
+
+
 def test_closed_surfaces_stay_closed() -> None:
     """The whole boundary in any order is one closed chain with as many points as edges."""
     edges = MESH.boundary_edges

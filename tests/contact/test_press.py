@@ -137,7 +137,7 @@ def in_plane_stress(surface: Surface) -> Surface:
         ),
         (lambda s, p: Contact(s, in_plane_stress(p), NodeToSegment(), Multiplier()), "both in plane strain"),
         (lambda s, p: press_parts(Contact(s, p, NodeToSegment(), Multiplier()), {}), "a list of at least one Contact"),
-        (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], None), "a path of at least one"),
+        (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], []), "a path of at least one"),
         (
             lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, loads=[(0.0, 1.0, 0.0)]),
             "a dictionary by part",

@@ -16,6 +16,7 @@ from flangeway.geometry import (
     Outline,
     Placement,
     circle,
+    half_disc,
     polygon,
     rectangle,
 )
@@ -284,3 +285,20 @@ def test_rotation_about_a_point_keeps_it():
     turn = Placement.about((3.0, 4.0), 1.2)
     np.testing.assert_allclose(turn.points([(3.0, 4.0)]), [(3.0, 4.0)], atol=1e-14)
     assert turn.rotation_rad == 1.2
+
+
+@pytest.mark.parametrize("half", ["lower", "upper"])
+def test_half_discs_have_a_rim_and_a_cut(half):
+    """A half disc has half of the circle's area on its side of the centre; an arc of its own is about its apex."""
+    sign = 1.0 if half == "upper" else -1.0
+    whole, divided = half_disc(2.0, (1.0, 3.0), half), half_disc(2.0, (1.0, 3.0), half, arc=0.5)
+    for outline in (whole, divided):
+        assert outline.area == pytest.approx(2.0 * np.pi, rel=1e-14)
+        assert outline.centroid == pytest.approx([1.0, 3.0 + sign * 4.0 * 2.0 / (3.0 * np.pi)])
+    assert whole.names == ("cut", "rim", "rim")
+    assert divided.names == ("cut", "rim", "arc", "rim")
+    assert divided.segments[2].point(np.array([0.5]))[0] == pytest.approx([1.0, 3.0 + 2.0 * sign])
+    assert divided.segments[2].length == pytest.approx(2.0 * 0.5)
+    for wrong in ({"half": "left"}, {"arc": 4.0}, {"radius": 0.0}):
+        with pytest.raises(InputError):
+            half_disc(**{"radius": 2.0, **wrong})

@@ -1,6 +1,7 @@
 """PolyMesh and structured grids on meshes small enough to count by hand, and every fault that `check` looks for."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -51,6 +52,36 @@ def test_batches_group_cells_by_their_number_of_points():
     batches = {n: cells.tolist() for n, cells in mesh.batches()}
     assert batches == {3: [0, 3], 4: [1, 4], 5: [2]}
     assert mesh.batch_points(3, mesh.batches()[0][1]).tolist() == [[0, 1, 2], [10, 11, 12]]
+
+
+def test_edges_are_chosen_by_name_box_and_line():
+    """Edges are those of the names, with both ends in the box and on the lines; open sides of a box are infinite."""
+    everything, right = MIXED.boundary_edges.tolist(), [[1, 2], [2, 3]]
+    assert MIXED.edge_set().tolist() == everything
+    assert MIXED.edge_set("right").tolist() == MIXED.edge_set(at_x=1.0).tolist() == right
+    assert MIXED.edge_set(["left", "right"]).tolist() == [[4, 0], *right]
+    assert MIXED.edge_set("right", within=(0.0, 0.0, 2.0, 0.5)).tolist() == right[:1]
+    assert MIXED.edge_set(within=(-np.inf, 0.5, np.inf, np.inf)).tolist() == [[2, 3], [3, 4]]
+    assert MIXED.edge_set(within=(0.0, 0.0, 0.5, 1.0), at_x=0.0).tolist() == [[4, 0]]
+    top = MIXED.with_edge_set("top", MIXED.edge_set(at_y=1.0))
+    assert top.edge_set("top").tolist() == [[3, 4]]
+
+
+@pytest.mark.parametrize(
+    ("names", "position", "message"),
+    [
+        ("rigt", {}, "edge set 'rigt'.*mean right"),
+        ([], {}, "no edge set"),
+        ("left", {"at_x": 1.0}, r"no edge of the boundary is there.*\(0, 0\) to \(1, 1\)"),
+        (None, {"within": (0.0, 0.0, 1.0)}, "within"),
+        (None, {"within": "rim"}, "within"),
+    ],
+)
+def test_edges_that_are_not_there_are_refused(names, position, message):
+    """An unknown name is answered by the nearest one, a position off the boundary by the reach of the boundary."""
+    with pytest.raises(InputError) as refused:
+        MIXED.edge_set(names, **position)
+    assert re.search(message, str(refused.value), re.DOTALL)
 
 
 def test_edge_sets_are_ordered_and_make_chains():

@@ -61,9 +61,8 @@ def test_wrong_input_is_refused():
         with pytest.raises(InputError, match=named):
             HertzCase.from_values({**values, **changed}).check()
     case = published_case("FDO1", 1).general()
-    contact = case.contacts[0].model_copy(update={"penalty_MPa_mm": 1.0})
     with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
-        case.model_copy(update={"contacts": [contact]}).check()
+        case.contacts[0].replaced(enforcement={"penalty_MPa_mm": 1.0})
     body = case.bodies[0].model_copy(update={"halved_side": "side"})
     with pytest.raises(InputError, match="halved_side"):
         case.model_copy(update={"bodies": [body, case.bodies[1]]}).check()

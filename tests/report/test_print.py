@@ -108,6 +108,9 @@ ROLLS = {
     "rolling.friction": 0.3,
     "load.curve": "{ radius_m = 500, speed_km_h = 80, superelevation_mm = 60 }",
     "size_scale": 6,
+    "order": 1,
+    "patch_cells": 10,
+    "rolling.theory": "fastsim",
 }
 
 

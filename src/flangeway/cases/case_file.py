@@ -438,17 +438,22 @@ def _toml_lines(table: Mapping[str, Any], above: tuple[str, ...]) -> list[str]:
     """Lines of a table: plain values, then the tables in it and the lists of tables under their headers."""
     lines, inner = list[str](), list[str]()
     for key, value in table.items():
-        path = (*above, key)
+        path = (*above, _toml_key(key))
         if isinstance(value, Mapping):
             inside = _toml_lines(value, path)
-            inner += ["", f"[{'.'.join(path)}]", *inside] if inside and inside[0] else inside
+            inner += ["", f"[{'.'.join(path)}]", *inside] if (inside and inside[0]) or (above and not value) else inside
         elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
             for item in value:
                 inner += ["", f"[[{'.'.join(path)}]]", *_toml_lines(item, path)]
         elif value is not None:
             seen = os.path.relpath(value) if above and key in FILE_KEYS and is_file(Path(value)) else value
-            lines.append(f"{key} = {toml_value(seen)}")
+            lines.append(f"{path[-1]} = {toml_value(seen)}")
     return [*lines, *inner]
+
+
+def _toml_key(key: str) -> str:
+    """Write a key, in quotation marks where it is no bare one, as the name of a cell set may be."""
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
 def _template_of(
@@ -475,14 +480,25 @@ def _template_of(
         tags = [f"{TAG} = {kind_of(one)}" for one in kinds if kind_of(one)]
         words = f" ({', '.join(tags)})" if len(kinds) > 1 else ""
         inner += ["", "", *_comment(f"{field.description}{words}")]
-        body = _template_of(kind, path, items[0] if items else {}, essential, units)
-        # a table that is not set is a comment with all that is in it
-        inner += (
-            [header, *body] if is_set else [line if line[:1] in ("", "#") else f"# {line}" for line in (header, *body)]
-        )
+        body = _template_of(kind, path, items[0] if items else _tagged(kind), essential, units)
+        # a table that is not set is a comment with all that is in it, and so are the other kinds of one
+        inner += [header, *body] if is_set else _commented([header, *body])
+        for other in kinds:
+            if other is not kind and not is_set:
+                inner += _commented(_template_of(other, path, _tagged(other), (), units))
         for item in items[1:]:
             inner += ["", header, *(_line(entry, value, units) for entry, value in item.items())]
     return [*lines, *inner]
+
+
+def _tagged(record: type[Record]) -> dict[str, Any]:
+    """Value of the field ``kind`` of a record that has one."""
+    return {} if kind_of(record) is None else {TAG: kind_of(record)}
+
+
+def _commented(lines: list[str]) -> list[str]:
+    """Lines as comments; empty ones and comments as they are."""
+    return [line if line[:1] in ("", "#") else f"# {line}" for line in lines]
 
 
 def _comment(text: str) -> list[str]:
@@ -531,7 +547,7 @@ def toml_value(value: Any) -> str:
     if isinstance(value, Record):
         value = value.changed
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {toml_value(entry)}" for key, entry in value.items()) + " }"
+        return "{ " + ", ".join(f"{_toml_key(key)} = {toml_value(entry)}" for key, entry in value.items()) + " }"
     return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
 
 

@@ -242,7 +242,7 @@ class ContactSolution(Result):
 
 def press(
     contacts: Sequence[Contact],
-    motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
+    motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]] | None = None,
     *,
     loads: Mapping[Part, Load] | None = None,
     body_loads: Mapping[Part, Sequence[BodyLoad]] | None = None,
@@ -264,10 +264,11 @@ def press(
     contacts
         Contacts among the parts.
     motion
-        Rigid motion in space of each part that moves, after its own placement. At a share of the path its angle and
-        its shift are that share. A sequence of them is a path: press, then push, then reverse; each follows those
-        before it. With friction the result depends on the path, and slip is counted from one step to the next, from
-        the first placements on: a point that closes in a step has slipped since the step began.
+        Rigid motion in space of each part that moves, after its own placement; left out, loads alone act. At a share
+        of the path its angle and its shift are that share. A sequence of them is a path: press, then push, then
+        reverse; each follows those before it. With friction the result depends on the path, and slip is counted from
+        one step to the next, from the first placements on: a point that closes in a step has slipped since the
+        step began.
         Parts on handles that have a gap at the start first find their equilibrium without friction, under a thousandth
         of the loads and of the motion.
     loads
@@ -307,7 +308,7 @@ def press(
 
     """
     system, loads, on_bodies = ContactSystem(contacts), loads or {}, body_loads or {}
-    motions = [motion] if isinstance(motion, Mapping) else motion
+    motions = [motion or {}] if isinstance(motion, Mapping | None) else motion
     _refuse_bad_inputs(system, motions, loads, on_bodies, handles)
     handle_of = {part: handle for handle in handles for part in handle.parts}
     handle_of |= {part: alone for part in system.parts if (alone := _handle_of(part, loads.get(part)))}

@@ -1,15 +1,17 @@
 """Parts of a boundary where contact can happen."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from flangeway.checks import check_kind
+from flangeway.checks import are_all, check_kind
 from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import (
     COLLINEAR,
@@ -58,7 +60,7 @@ class Hats:
     areas: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Surface:
     """A chain of boundary edges of a part.
 
@@ -67,8 +69,10 @@ class Surface:
     part
         The part.
     edges
-        Pairs of the mesh's points, shape (n_edges, 2): boundary edges that make one chain, in any order and either
-        direction. They are stored one after the other with the body on the left.
+        Boundary edges that make one chain: the name of an edge set, or several names, or None for the whole boundary,
+        without edges that what is held prevents from moving (`LinearBody.surface_edges`); or pairs of the mesh's
+        points, shape (n_edges, 2), in any order and either direction. They are stored as pairs, one after the other,
+        with the body on the left.
     curve
         The drawn surface in the body's frame. The mesh's straight edges have corners where it is smooth, and corners
         show in the pressure and in the size of the gap, by h^2 / 8 R for edges of length h on a radius R. With a curve
@@ -78,24 +82,48 @@ class Surface:
     nodes_only
         Whether edges of order 1 stay straight between their nodes on the curve. It saves a third of the time of an
         iteration, and is enough where h^2 / 8 R is far below the approach of the surfaces, as on wheels and rails.
+    within
+        Box x_min, y_min, x_max, y_max in the body's frame: the surface has only the edges in it.
 
     Raises
     ------
     InputError
-        If a pair is not an edge of the mesh's boundary, occurs twice, the edges are not one chain, or the curve is
-        not near them.
+        If a name is unknown, no edge is in the box, a pair is not an edge of the mesh's boundary, occurs twice, the
+        edges are not one chain, or the curve is not near them.
 
     """
 
     part: Part
     edges: NDArray[np.int32]
-    curve: Contour | None = None
-    nodes_only: bool = False
+    curve: Contour | None
+    nodes_only: bool
 
-    def __post_init__(self) -> None:
-        check_kind("Surface", "part", self.part, Part, "a Part", "write Part(name, body)")
-        check_kind("Surface", "curve", self.curve, Contour | None, "an Outline or Polyline", "leave it out")
-        edges = np.asarray(self.edges)
+    def __init__(
+        self,
+        part: Part,
+        edges: str | Sequence[str] | ArrayLike | None = None,
+        curve: Contour | None = None,
+        nodes_only: bool = False,
+        *,
+        within: Sequence[float] | None = None,
+    ) -> None:
+        """Store the chain of edges; see the class."""
+        check_kind("Surface", "part", part, Part, "a Part", "write Part(name, body), or body.part")
+        check_kind("Surface", "curve", curve, Contour | None, "an Outline or Polyline", "leave it out")
+        for name, value in (("part", part), ("curve", curve), ("nodes_only", nodes_only)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "edges", self._chain(edges, within))
+        self._refuse_far_curve()
+
+    def _chain(self, edges: Any, within: Sequence[float] | None) -> NDArray[np.int32]:
+        """Edges one after the other, the body on their left."""
+        if edges is None or (are_all(edges, str) and len(edges) > 0):
+            edges, _ = self.part.body.surface_edges(edges, within)
+        elif within is not None:
+            raise InputError(
+                f"{self._name} of pairs within {short(within)}", "names with a box, or pairs", "leave one out"
+            )
+        edges = np.asarray(edges)
         if edges.ndim != 2 or edges.shape[1:] != (2,) or len(edges) == 0 or edges.dtype.kind not in "iu":
             raise InputError(
                 f"{self._name} with edges of shape {edges.shape} and type {edges.dtype}",
@@ -113,8 +141,7 @@ class Surface:
             )
         chain = chain.astype(np.int32)
         chain.setflags(write=False)
-        object.__setattr__(self, "edges", chain)
-        self._refuse_far_curve()
+        return chain
 
     @property
     def _name(self) -> str:

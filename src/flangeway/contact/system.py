@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from flangeway.contact.guards import (
     unguarded,
 )
 from flangeway.contact.kinematics import Slides
-from flangeway.contact.pairs import Constraints, Enforcement, Pairing, Pairs
+from flangeway.contact.pairs import Constraints, Enforcement, Multiplier, Pairing, Pairs
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.search import visits
 from flangeway.contact.segment_to_segment import SegmentToSegment
@@ -54,9 +54,9 @@ class Contact:
     primary
         Surface that gives segments.
     pairing
-        How the surfaces are compared.
+        How the surfaces are compared: by default segment to segment.
     enforcement
-        How the condition of no penetration is enforced.
+        How the condition of no penetration is enforced: by default by multipliers, which leave none.
     friction
         Coefficient of Coulomb's friction, >= 0, or a `Friction` with one such coefficient. Slip is counted from the
         last converged step, so the answer depends on the path of the motion; see `press`.
@@ -72,8 +72,8 @@ class Contact:
 
     secondary: Surface
     primary: Surface
-    pairing: Pairing
-    enforcement: Enforcement
+    pairing: Pairing = field(default_factory=SegmentToSegment)
+    enforcement: Enforcement = field(default_factory=Multiplier)
     friction: float | Friction = 0.0
 
     def __post_init__(self) -> None:

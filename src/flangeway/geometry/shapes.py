@@ -3,11 +3,12 @@
 import itertools
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_integer, check_positive, is_finite
+from flangeway.checks import check_between, check_integer, check_positive, is_finite
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, as_point, as_points, norms, point_text, sides_of
 from flangeway.geometry.outline import Outline
@@ -65,8 +66,8 @@ def square(side: float, centre: Point = (0.0, 0.0)) -> Outline:
     return rectangle(side, side, centre)
 
 
-def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4) -> Outline:
-    """Return the circle made of equal arcs, all named ``circle``, the first from angle zero.
+def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4, name: str = "circle") -> Outline:
+    """Return the circle made of equal arcs of one name, the first from angle zero.
 
     Raises
     ------
@@ -79,7 +80,46 @@ def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4) -> Outlin
     angles = 2.0 * np.pi * np.arange(n_arcs) / n_arcs
     ends = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]
     arcs = [Arc(a, b, (x, y), True) for a, b in sides_of(ends)]
-    return Outline.from_segments(arcs, ["circle"] * n_arcs)
+    return Outline.from_segments(arcs, [name] * n_arcs)
+
+
+def half_disc(
+    radius: float,
+    centre: Point = (0.0, 0.0),
+    half: Literal["lower", "upper"] = "lower",
+    arc: float | None = None,
+) -> Outline:
+    """Return the half of a disc below or above its centre: the arc ``rim`` and the straight side ``cut``.
+
+    Parameters
+    ----------
+    radius, centre
+        Of the disc.
+    half
+        Which half.
+    arc
+        Angle in radians of a part of the rim about its middle, which gets the name ``arc``; None: there is none.
+
+    Raises
+    ------
+    InputError
+        If the radius is not positive, the half is none of both, or the arc is not below half a turn.
+    """
+    _refuse_not_positive("half_disc", radius=radius)
+    if half not in ("lower", "upper"):
+        raise InputError(f"half_disc(half={half!r})", "'lower' or 'upper'", "choose one of these")
+    x, y = as_point(centre, "centre")
+    sign = 1.0 if half == "upper" else -1.0
+    first, last = (x + sign * radius, y), (x - sign * radius, y)
+    if arc is None:
+        corners, names = [(x, y + sign * radius)], ["rim", "rim"]
+    else:
+        check_between("half_disc", "arc", arc, 0.0, math.pi)
+        angles = np.pi / 2.0 + arc / 2.0 * np.array([-1.0, 1.0])
+        ends = centre + sign * radius * np.column_stack((np.cos(angles), np.sin(angles)))
+        corners, names = [(float(a), float(b)) for a, b in ends], ["rim", "arc", "rim"]
+    arcs = [Arc(a, b, (x, y), counter_clockwise=True) for a, b in itertools.pairwise([first, *corners, last])]
+    return Outline.from_segments([Line(last, first), *arcs], ["cut", *names])
 
 
 # --- Outlines of rolled and built-up sections by their dimensions, their frame from the origin to width and depth.

@@ -1,6 +1,7 @@
 """Connections of cells and points of a mesh, and the curves that its edges lie on."""
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -9,7 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from flangeway.errors import InputError
+from flangeway.checks import as_numbers
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, cross_product, norms
 from flangeway.geometry.placement import Placement
 from flangeway.types import Bools, Floats, Indices, Ints, floats
@@ -117,6 +119,71 @@ def chain_starts(pairs: IntArray) -> Ints:
     breaks = np.ones(len(pairs), dtype=bool)
     breaks[1:] = pairs[1:, 0] != pairs[:-1, 1]
     return np.flatnonzero(breaks)
+
+
+ON_LINE = 1e-6  # distance relative to the size of the body up to which a point is on a line or in a box
+
+
+@dataclass(frozen=True, eq=False)
+class NamedEdges:
+    """Edges of a body's boundary and their names: what `edges_at` chooses from.
+
+    Parameters
+    ----------
+    points
+        Points, shape (n, 2).
+    boundary
+        Ends of all edges of the boundary, shape (m, 2).
+    sets
+        Ends of those that have a name.
+
+    """
+
+    points: Floats
+    boundary: IntArray
+    sets: Mapping[str, IntArray]
+
+    def chosen(
+        self,
+        names: str | Sequence[str] | None = None,
+        *,
+        within: Sequence[float] | None = None,
+        at_x: float | None = None,
+        at_y: float | None = None,
+    ) -> IntArray:
+        """Return the edges that all arguments allow, as `flangeway.mesh.PolyMesh.edge_set` does."""
+        pairs = self.boundary if names is None else self._named([names] if isinstance(names, str) else [*names])
+        if within is None and at_x is None and at_y is None:
+            return pairs
+        box = (-np.inf, -np.inf, np.inf, np.inf) if within is None else within
+        corners = as_numbers("within", box, allowed := "four numbers: x_min, y_min, x_max, y_max")
+        if corners.shape != (4,):
+            raise InputError(f"within = {short(within)}", allowed, "correct it")
+        # a line is a box without width
+        low = np.maximum(corners[:2], [-np.inf if at is None else at for at in (at_x, at_y)])
+        high = np.minimum(corners[2:], [np.inf if at is None else at for at in (at_x, at_y)])
+        slack = ON_LINE * float(norms(np.ptp(self.points, axis=0)))
+        ends = self.points[pairs]
+        inside = ((ends >= low - slack) & (ends <= high + slack)).all(axis=(1, 2))
+        if not inside.any():
+            (x0, y0), (x1, y1) = self.points.min(axis=0), self.points.max(axis=0)
+            raise InputError(
+                "no edge of the boundary is there",
+                f"positions on the boundary, which reaches from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g})",
+                "correct the numbers; a box must contain whole edges",
+            )
+        return pairs[inside]
+
+    def _named(self, names: list[str]) -> IntArray:
+        known = sorted(self.sets)
+        for name in names:
+            if name not in known:
+                similar = difflib.get_close_matches(str(name), known, n=1)
+                advice = f"did you mean {similar[0]}?" if similar else "correct the name"
+                raise InputError(f"edge set {name!r}", f"one of: {', '.join(known) or 'none'}", advice)
+        if not names:
+            raise InputError("no edge set", f"names of {', '.join(known) or 'none'}", "give a name")
+        return self.sets[names[0]] if len(names) == 1 else np.vstack([self.sets[name] for name in names])
 
 
 def ordered_pairs(pairs: IntArray, name: str) -> IntArray:

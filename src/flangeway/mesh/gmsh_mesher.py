@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_kind, check_positive, is_finite
 from flangeway.errors import InputError, MissingLibraryError, short
@@ -46,7 +47,7 @@ _AN_AREA = 4.0 / math.sqrt(3.0)  # equilateral triangles of side one in an area 
 _REPORT: ContextVar[Callable[[str], None]] = ContextVar("_REPORT", default=lambda _: None)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Refinement:
     """Finer triangles about a polyline: ``size + growth * distance to the polyline``.
 
@@ -67,17 +68,18 @@ class Refinement:
 
     points: Floats
     size: float
-    growth: float = 0.15
+    growth: float
 
-    def __post_init__(self) -> None:
+    def __init__(self, points: ArrayLike, size: float, growth: float = 0.15) -> None:
         """Check the numbers and keep a read-only copy of the points."""
-        points = as_points(self.points, "points of a refinement").copy()
-        if not len(points):
+        polyline = as_points(points, "points of a refinement").copy()
+        if not len(polyline):
             raise InputError("a refinement without points", "one point or more", "add points")
-        points.setflags(write=False)
-        object.__setattr__(self, "points", points)
-        for name, value in (("size", self.size), ("growth", self.growth)):
+        polyline.setflags(write=False)
+        for name, value in (("size", size), ("growth", growth)):
             check_positive("Refinement", name, value)
+        for name, stored in (("points", polyline), ("size", size), ("growth", growth)):
+            object.__setattr__(self, name, stored)
 
     @property
     def _pieces(self) -> Floats:

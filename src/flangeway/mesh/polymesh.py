@@ -17,6 +17,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
     EdgeCurves,
     EdgeNumbers,
+    NamedEdges,
     chain_starts,
     edge_places,
     entries_of,
@@ -411,11 +412,36 @@ class PolyMesh:
 
     # named sets
 
-    def edge_set(self, name: str) -> IntArray:
-        """Return the pairs (m, 2) of an edge set; an unknown name is an InputError."""
-        if name not in self.edge_sets:
-            raise InputError(f"edge set '{name}'", f"one of: {_names(self.edge_sets)}", "correct the name")
-        return self.edge_sets[name]
+    @property
+    def named_edges(self) -> NamedEdges:
+        """Edges of the boundary and their names."""
+        return NamedEdges(self.points, self.boundary_edges, self.edge_sets)
+
+    def edge_set(
+        self,
+        names: str | Sequence[str] | None = None,
+        *,
+        within: Sequence[float] | None = None,
+        at_x: float | None = None,
+        at_y: float | None = None,
+    ) -> IntArray:
+        """Return the edges of the boundary that all arguments allow, pairs of points (m, 2).
+
+        Parameters
+        ----------
+        names
+            Edge set, or several one after the other; None: the whole boundary.
+        within
+            Box x_min, y_min, x_max, y_max that contains both ends; a side that is infinite is open.
+        at_x, at_y
+            Line on which both ends are.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown, or no edge is there.
+        """
+        return self.named_edges.chosen(names, within=within, at_x=at_x, at_y=at_y)
 
     def cell_set(self, name: str) -> IntArray:
         """Return the cell numbers of a cell set; an unknown name is an InputError."""
@@ -438,9 +464,7 @@ class PolyMesh:
         return _frozen(points)
 
     def _joined_sets(self, names: tuple[str, ...]) -> IntArray:
-        if not names:
-            raise InputError("no edge set", f"names of {_names(self.edge_sets)}", "give a name")
-        pairs = np.vstack([self.edge_set(name) for name in names])
+        pairs = self.edge_set(names)
         if len(names) > 1:
             pairs = ordered_pairs(pairs, " + ".join(names))
         starts = chain_starts(pairs)

@@ -1,6 +1,6 @@
 """Boundary value problems: from a space and data to stiffness and load."""
 
-from flangeway.problems.body import Body, Part
+from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import ElasticField, Elasticity
 from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
 from flangeway.problems.loads import (
@@ -17,7 +17,7 @@ from flangeway.problems.loads import (
     Traction,
     fixed,
 )
-from flangeway.problems.stiffness_body import LinearBody, StiffnessBody
+from flangeway.problems.stiffness_body import LinearBody, Part, StiffnessBody
 from flangeway.problems.torsion_problem import Torsion
 
 __all__ = [

@@ -1,7 +1,7 @@
 """A linear elastic body that is held along named parts of its boundary."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -9,10 +9,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from flangeway.checks import are_all, check_angle, check_kind, check_positive
+from flangeway.checks import are_all, check_kind, check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
-from flangeway.geometry import Placement
 from flangeway.geometry.arrays import IntArray, Point
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
@@ -130,6 +129,11 @@ class Body(LinearBody):
     def boundary_edges(self) -> IntArray:
         """See `LinearBody.boundary_edges`."""
         return self.mesh.boundary_edges
+
+    @property
+    def edge_sets(self) -> Mapping[str, IntArray]:
+        """See `LinearBody.edge_sets`."""
+        return self.mesh.edge_sets
 
     def edge_nodes(self, pairs: Indices) -> IntArray:
         """See `LinearBody.edge_nodes`."""
@@ -288,46 +292,3 @@ class Body(LinearBody):
     ) -> StiffnessBody:
         """Return a body of a stiffness matrix that another program has assembled; `StiffnessBody` has the arguments."""
         return StiffnessBody(name, stiffness, coordinates, surfaces, order, rows, held, thickness, axisymmetric)
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One instance of a body in space; a body may have several instances, mirrored too.
-
-    Parameters
-    ----------
-    name
-        Name for messages and results.
-    body
-        The body.
-    placement
-        Position of the body's frame; a body of revolution is only shifted along its axis.
-
-    Raises
-    ------
-    InputError
-        If a body of revolution is placed off its axis.
-
-    """
-
-    name: str
-    body: LinearBody
-    placement: Placement = field(default_factory=Placement)
-
-    def __post_init__(self) -> None:
-        check_kind("Part", "name", self.name, str, "a text", "name the part")
-        kinds = "Body(...), or Body.from_stiffness(...)"
-        check_kind("Part", "body", self.body, LinearBody, kinds, "make one of them")
-        check_kind("Part", "placement", self.placement, Placement, "Placement(...)", "leave it out")
-        self.check_placement("a placement", self.placement)
-
-    def check_placement(self, what: str, placement: Placement) -> None:
-        """Raise `InputError` for more than one turn, or if a placement takes a body of revolution off its axis."""
-        check_angle(f"{what} of part {self.name!r}", "rotation_rad", placement.rotation_rad)
-        off = placement.rotation_rad or placement.translation[0] or placement.mirrored
-        if off and isinstance(self.body, LinearBody) and self.body.axisymmetric:
-            raise InputError(
-                f"{what} of part {self.name!r}, a body of revolution: {placement}",
-                "a shift along its axis y",
-                "write Placement(0.0, (0.0, y))",
-            )

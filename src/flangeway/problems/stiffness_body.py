@@ -1,8 +1,8 @@
 """What contact asks of a linear elastic body, and a body of a stiffness matrix that another program has assembled."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
-from flangeway.checks import as_numbers, check_positive
+from flangeway.checks import as_numbers, check_angle, check_kind, check_positive
 from flangeway.errors import InputError, short
+from flangeway.geometry import Placement
 from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
-from flangeway.mesh.connectivity import edge_places
+from flangeway.mesh.connectivity import NamedEdges, edge_places
 from flangeway.mesh.mesh_checks import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
 from flangeway.space import DifferenceProduct, Space, SymmetricMatrix
@@ -91,6 +92,45 @@ class LinearBody(ABC):
     @abstractmethod
     def boundary_edges(self) -> IntArray:
         """Nodes at the start and the end of the edges that may touch, the body on their left, shape (n_edges, 2)."""
+
+    @property
+    @abstractmethod
+    def edge_sets(self) -> Mapping[str, IntArray]:
+        """Ends of the edges that have a name, the body on their left, by name, shape (n_edges, 2)."""
+
+    @cached_property
+    def part(self) -> "Part":
+        """The body as a part of its own name, in the position in which it was drawn."""
+        return Part(self.name, self)
+
+    def surface_edges(
+        self, names: str | Sequence[str] | None = None, within: Sequence[float] | None = None
+    ) -> tuple[IntArray, int]:
+        """Edges that may touch, pairs of nodes (n, 2), and the number of those left out, as what is held prevents it.
+
+        An edge is left out if one of its nodes is held in both components.
+
+        Parameters
+        ----------
+        names, within
+            As of `flangeway.mesh.PolyMesh.edge_set`.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown, no edge is there, or all edges are left out.
+
+        """
+        pairs = NamedEdges(self.nodes, self.boundary_edges, self.edge_sets).chosen(names, within=within)
+        fixed: Bools = np.asarray(self.supported.all(axis=1))
+        movable = ~fixed[self.edge_nodes(pairs)].any(axis=1)
+        if not movable.any():
+            raise InputError(
+                f"a surface of body {self.name!r} that is held all along",
+                "a surface that can move",
+                "take other edges, or hold fewer of them",
+            )
+        return pairs[movable], int((~movable).sum())
 
     @abstractmethod
     def edge_nodes(self, pairs: Indices) -> IntArray:
@@ -211,6 +251,49 @@ class LinearBody(ABC):
             )
         numbers = np.where(free, (np.cumsum(free) - 1).reshape(-1, 2), -1)
         return numbers[nodes].ravel().astype(np.int32)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One instance of a body in space; a body may have several instances, mirrored too.
+
+    Parameters
+    ----------
+    name
+        Name for messages and results.
+    body
+        The body.
+    placement
+        Position of the body's frame; a body of revolution is only shifted along its axis.
+
+    Raises
+    ------
+    InputError
+        If a body of revolution is placed off its axis.
+
+    """
+
+    name: str
+    body: LinearBody
+    placement: Placement = field(default_factory=Placement)
+
+    def __post_init__(self) -> None:
+        check_kind("Part", "name", self.name, str, "a text", "name the part")
+        kinds = "Body(...), or Body.from_stiffness(...)"
+        check_kind("Part", "body", self.body, LinearBody, kinds, "make one of them")
+        check_kind("Part", "placement", self.placement, Placement, "Placement(...)", "leave it out")
+        self.check_placement("a placement", self.placement)
+
+    def check_placement(self, what: str, placement: Placement) -> None:
+        """Raise `InputError` for more than one turn, or if a placement takes a body of revolution off its axis."""
+        check_angle(f"{what} of part {self.name!r}", "rotation_rad", placement.rotation_rad)
+        off = placement.rotation_rad or placement.translation[0] or placement.mirrored
+        if off and isinstance(self.body, LinearBody) and self.body.axisymmetric:
+            raise InputError(
+                f"{what} of part {self.name!r}, a body of revolution: {placement}",
+                "a shift along its axis y",
+                "write Placement(0.0, (0.0, y))",
+            )
 
 
 # --- Rigid motions in a stiffness matrix that another program has assembled: they strain nothing, so K r = 0.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from flangeway.cases.bodies.bodies_shape import (
     BodyShape,
     BodyTable,
     ContactTable,
-    Ints,
     LoadTable,
     PlaceTable,
     SpringTable,
@@ -20,26 +19,18 @@ from flangeway.cases.bodies.bodies_shape import (
     body_shape,
     edges_at,
     elastic,
-    free_edges,
     keys_of_place,
     point_at,
 )
 from flangeway.contact import (
-    AugmentedLagrange,
-    Barrier,
     Contact,
     ContactSystem,
-    Multiplier,
-    NodeToNode,
-    NodeToSegment,
-    Penalty,
-    SegmentToSegment,
     Surface,
 )
-from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
+from flangeway.geometry.arrays import IntArray
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
@@ -66,15 +57,6 @@ from flangeway.space import Space
 from flangeway.types import Floats
 
 _Row = TypeVar("_Row", SupportTable, LoadTable, SpringTable)
-
-USED_BY = (
-    ("enforcement", ("penalty", "augmented-lagrange"), ("penalty_MPa_mm", "nodal_penalty_N_per_mm")),
-    ("enforcement", ("augmented-lagrange",), ("penetration_mm",)),
-    ("enforcement", ("barrier",), ("barrier_N_per_mm", "barrier_reach_mm")),
-    ("pairing", ("segment-to-segment",), ("weighting",)),
-    ("pairing", ("node-to-segment",), ("slack",)),
-)
-"""Choice of a contact, the values of it that use further inputs, and these."""
 
 LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3", "gravity_m_s2", "temperature_K")
 WHOLE_BODY = ("body_force_N_mm3", "gravity_m_s2", "temperature_K")
@@ -149,6 +131,7 @@ class _Builder:
         self.tables = {body.name: body for body in case.bodies}
         self.shapes: dict[str, BodyShape] = {}
         self.meshes: dict[str, PolyMesh] = {}
+        self.named: dict[str, dict[str, IntArray]] = {name: {} for name in self.tables}  # edges of supports and loads
         self.mixed: set[str] = set()
         self.in_contact = {name for table in case.contacts for name in (table.secondary, table.primary)}
 
@@ -199,11 +182,14 @@ class _Builder:
         """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
         pairs = []
         for number, table in enumerate(self.case.contacts, 1):
-            if table.pairing != "node-to-node":
+            if table.pairing.kind != "node-to-node":
                 continue
             key = f"contacts[{number}]"
             for role, name in (("secondary", table.secondary), ("primary", table.primary)):
-                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", self._touching(table, role, key))
+                mesh, edges = self.meshes[name], getattr(table, f"{role}_edges")
+                with located(f"{key}.{role}{'' if edges is None else '_edges'}: "):
+                    touching = mesh.edge_set(edges, within=getattr(table, f"{role}_box_mm"))
+                self.meshes[name] = mesh.with_edge_set(f"{key}.{role}", touching)
             orders = [self.tables[name].order for name in (table.secondary, table.primary)]
             if orders[0] != orders[1]:
                 raise InputError(
@@ -277,7 +263,7 @@ class _Builder:
             return Pressure(where, table.pressure_MPa)
         if table.traction_MPa is not None:
             return Traction(where, table.traction_MPa)
-        ends = self.meshes[table.body].points[self.meshes[table.body].edge_sets[where]]  # (n, 2 ends, 2)
+        ends = mesh.points[self.named[table.body][where]]  # (n, 2 ends, 2)
         widths = 2.0 * np.pi * ends[:, :, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         area = float((lengths * widths).sum()) * self.case.thickness_mm
@@ -295,9 +281,7 @@ class _Builder:
             raise InputError(
                 f"{key} without a position", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "give one of these"
             )
-        lines = (table.at_x_mm, table.at_y_mm)
-        pairs = edges_at(mesh, table.body, table.edges, table.box_mm, lines, key, "edges")
-        self.meshes[table.body] = mesh.with_edge_set(key, pairs)
+        self.named[table.body][key] = edges_at(mesh, table, key)
         return key
 
     def _body(self, name: str) -> BodyModel:
@@ -306,6 +290,7 @@ class _Builder:
         loads = [self._load(row, key) for key, row in self._rows(case.loads, "loads", name)]
         springs = [self._spring(row, key) for key, row in self._rows(case.springs, "springs", name)]
         mesh, element = self.meshes[name], elements_of(table, mixed=name in self.mixed)
+        mesh = replace(mesh, edge_sets={**mesh.edge_sets, **self.named[name]})
         material: Material | Mapping[str, Material] = elastic(table, case.hypothesis)
         if table.materials:
             number = case.bodies.index(table) + 1
@@ -324,38 +309,20 @@ class _Builder:
         return BodyModel(problem, part, problem.load_vector().sum(axis=0))
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
-        for name, used_by, inputs in USED_BY:
-            if getattr(table, name) not in used_by:
-                table.refuse_without_effect(inputs, name, " or ".join(used_by), f"{key}.")
         secondary, primary = (self._surface(table, role, key, bodies) for role in ("secondary", "primary"))
-        pairing = {
-            "segment-to-segment": SegmentToSegment(weighting=table.weighting),
-            "node-to-segment": NodeToSegment(slack=table.slack),
-            "node-to-node": NodeToNode(),
-        }[table.pairing]
         with located(f"{key}: "):
-            contact = Contact(secondary, primary, pairing, Multiplier())
-            return replace(contact, enforcement=_enforcement(table, contact), friction=table.friction)
-
-    def _touching(self, table: ContactTable, role: str, key: str) -> Ints:
-        """Edges of a side of a contact, pairs of points (n, 2)."""
-        name, which = getattr(table, role), f"{role}_edges"
-        box = getattr(table, f"{role}_box_mm")
-        return edges_at(self.meshes[name], name, getattr(table, which), box, (None, None), key, which)
+            contact = Contact(secondary, primary, table.pairing.pairing)
+            law = table.enforcement.law(contact.suggested_penalty)
+            return replace(contact, enforcement=law, friction=table.friction)
 
     def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
-        name = getattr(table, role)
-        edges, part = getattr(table, f"{role}_edges"), bodies[name].part
+        name, edges, part = getattr(table, role), getattr(table, f"{role}_edges"), bodies[getattr(table, role)].part
         assert part is not None
-        pairs = self._touching(table, role, key)
-        free = free_edges(part.body, pairs)
-        if len(free) == 0:
-            raise InputError(
-                f"{key}.{role} = {name!r}: its whole surface is fixed", "a surface that can move", "shorten the support"
-            )
-        if len(free) < len(pairs) and edges is not None:
+        with located(f"{key}.{role}{'' if edges is None else '_edges'}: "):
+            free, n_held = part.body.surface_edges(edges, getattr(table, f"{role}_box_mm"))
+        if n_held and edges is not None:
             self.notices.append(
-                f"{name}: {len(pairs) - len(free)} of the {len(pairs)} edges of its contact surface touch a support "
+                f"{name}: {n_held} of the {n_held + len(free)} edges of its contact surface touch a support "
                 "and are left out of the contact."
             )
         points = self.meshes[name].points[np.unique(free)]
@@ -423,23 +390,3 @@ def _whole(table: LoadTable) -> Load:
     if table.temperature_K is not None:
         return TemperatureChange(table.temperature_K, table.cells)
     return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
-
-
-def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:
-    if table.enforcement == "multiplier":
-        return Multiplier()
-    if table.enforcement == "barrier":
-        if table.barrier_N_per_mm is None or table.barrier_reach_mm is None:
-            raise InputError(
-                "a barrier without barrier_N_per_mm or barrier_reach_mm",
-                "both",
-                "start with a thousandth of the expected pressure times the approach, and the approach",
-            )
-        return Barrier(table.barrier_N_per_mm, table.barrier_reach_mm)
-    if table.nodal_penalty_N_per_mm is not None and table.penalty_MPa_mm is not None:
-        raise InputError("penalty_MPa_mm and nodal_penalty_N_per_mm", "one of both", "leave one out")
-    penalty = table.nodal_penalty_N_per_mm or table.penalty_MPa_mm or contact.suggested_penalty
-    per: Literal["node", "length"] = "length" if table.nodal_penalty_N_per_mm is None else "node"
-    if table.enforcement == "penalty":
-        return Penalty(penalty, per)
-    return AugmentedLagrange(penalty, per, table.penetration_mm)

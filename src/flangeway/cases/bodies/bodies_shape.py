@@ -1,7 +1,6 @@
 """Inputs of the general case as tables, and from them the meshes of its bodies and positions on their boundaries."""
 
 # ruff: noqa: N815 (units in names)
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,19 +11,27 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from flangeway.cases.case import Case
-from flangeway.contact import NodeToSegment
+from flangeway.contact import (
+    AugmentedLagrange,
+    Barrier,
+    Enforcement,
+    Multiplier,
+    NodeToNode,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+)
 from flangeway.contact.node_to_segment import OPEN_SLACK
-from flangeway.errors import InputError
+from flangeway.errors import InputError, located
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.mesh_repair import with_arcs
 from flangeway.formats.outline_files import ENDINGS, outline_region
-from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
-from flangeway.geometry.arrays import norms
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, half_disc, rectangle
+from flangeway.geometry.arrays import IntArray, norms
 from flangeway.geometry.region import Region
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
-from flangeway.problems import LinearBody
 from flangeway.records import (
     Box,
     ElementOrder,
@@ -37,7 +44,6 @@ from flangeway.records import (
     Record,
     require_known,
 )
-from flangeway.types import Bools
 
 # --- Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps.
 
@@ -54,33 +60,135 @@ T_PER_MM3 = 1e-12
 """Density of 1 kg/m3 in t/mm3, which goes with forces in N and lengths in mm."""
 
 MethodName = Literal["fem", "vem", "vem-triangles"]
-EnforcementName = Literal["multiplier", "augmented-lagrange", "penalty", "barrier"]
 Stabilisation = Annotated[
     Literal["default", "trace"],
     Field(description="stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"),
 ]
-PairingName = Literal["segment-to-segment", "node-to-segment", "node-to-node"]
+
+
+class SegmentPairing(Record):
+    """Gaps averaged over the secondary surface."""
+
+    kind: Literal["segment-to-segment"]
+    """gaps averaged over the secondary surface"""
+    weighting: Literal["standard", "dual"] = "standard"
+    """weights of the gap: hat functions, or their biorthogonal ones"""
+
+    @property
+    def pairing(self) -> SegmentToSegment:
+        """As contacts take it."""
+        return SegmentToSegment(weighting=self.weighting)
+
+
+class NodePairing(Record):
+    """Gaps of the secondary nodes to the primary edges."""
+
+    kind: Literal["node-to-segment"]
+    """gaps of the secondary nodes to the primary edges"""
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OPEN_SLACK)
+    """how far beyond its edge, in parts of the edge, a node stays paired with it"""
+
+    @property
+    def pairing(self) -> NodeToSegment:
+        """As contacts take it."""
+        return NodeToSegment(slack=self.slack)
+
+
+class MatchedPairing(Record):
+    """Gaps of nodes to nodes; the boundaries get each other's nodes."""
+
+    kind: Literal["node-to-node"]
+    """gaps of nodes to nodes: the boundaries get each other's nodes, for small displacements"""
+
+    @property
+    def pairing(self) -> NodeToNode:
+        """As contacts take it."""
+        return NodeToNode()
+
+
+class MultiplierLaw(Record):
+    """Forces as unknowns."""
+
+    kind: Literal["multiplier"]
+    """forces as unknowns, which leave no penetration"""
+
+    def law(self, penalty: float) -> Enforcement:  # noqa: ARG002 (others need one)
+        """As contacts take it; a penalty that is left out is the suggested one."""
+        return Multiplier()
+
+
+class PenaltyLaw(Record):
+    """Pressure in proportion to the penetration."""
+
+    kind: Literal["penalty"]
+    """pressure in proportion to the penetration"""
+    penalty_MPa_mm: Positive | None = None
+    """pressure per penetration (default: from stiffness and edges of the bodies)"""
+    nodal_penalty_N_per_mm: Positive | None = None
+    """force per penetration at a node of node-to-segment, instead of penalty_MPa_mm"""
+
+    exclusive = (("penalty_MPa_mm", "nodal_penalty_N_per_mm"),)
+
+    def law(self, penalty: float) -> Enforcement:
+        """See `MultiplierLaw.law`."""
+        return Penalty(*_penalty(self, penalty))
+
+
+class AugmentedLaw(Record):
+    """A penalty about forces that are corrected."""
+
+    kind: Literal["augmented-lagrange"]
+    """a penalty about forces that are corrected until the penetration is tolerated"""
+    penalty_MPa_mm: Positive | None = None
+    """pressure per penetration (default: from stiffness and edges of the bodies)"""
+    nodal_penalty_N_per_mm: Positive | None = None
+    """force per penetration at a node of node-to-segment, instead of penalty_MPa_mm"""
+    penetration_mm: Positive = 1e-5
+    """tolerated penetration"""
+
+    exclusive = PenaltyLaw.exclusive
+
+    def law(self, penalty: float) -> Enforcement:
+        """See `MultiplierLaw.law`."""
+        return AugmentedLagrange(*_penalty(self, penalty), self.penetration_mm)
+
+
+class BarrierLaw(Record):
+    """Forces of a logarithmic barrier."""
+
+    kind: Literal["barrier"]
+    """forces of a logarithmic barrier, which keeps the surfaces apart"""
+    barrier_N_per_mm: Positive
+    """pressure times gap: a thousandth of the expected pressure times the approach to begin with"""
+    reach_mm: Positive
+    """gap from which there is no pressure: the approach to begin with"""
+
+    def law(self, penalty: float) -> Enforcement:  # noqa: ARG002 (others need one)
+        """See `MultiplierLaw.law`."""
+        return Barrier(self.barrier_N_per_mm, self.reach_mm)
+
+
+def _penalty(law: PenaltyLaw | AugmentedLaw, suggested: float) -> tuple[float, Literal["node", "length"]]:
+    """Value of a penalty, and what it is per."""
+    if law.nodal_penalty_N_per_mm is not None:
+        return law.nodal_penalty_N_per_mm, "node"
+    return law.penalty_MPa_mm or suggested, "length"
+
+
 Pairing = Annotated[
-    PairingName,
+    SegmentPairing | NodePairing | MatchedPairing,
     Field(
-        description="contact discretisation; node-to-node gives the boundaries each other's nodes, for small "
-        "displacements"
+        default_factory=lambda: SegmentPairing(kind="segment-to-segment"),
+        discriminator="kind",
+        description="contact discretisation",
     ),
 ]
-Weighting = Annotated[
-    Literal["standard", "dual"],
-    Field(description="weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"),
-]
-NodalPenalty = Annotated[
-    Positive | None,
-    Field(description="penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"),
-]
-Slack = Annotated[
-    float,
+Law = Annotated[
+    AugmentedLaw | MultiplierLaw | PenaltyLaw | BarrierLaw,
     Field(
-        gt=0.0,
-        le=OPEN_SLACK,
-        description="how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it",
+        default_factory=lambda: AugmentedLaw(kind="augmented-lagrange"),
+        discriminator="kind",
+        description="constraint enforcement",
     ),
 ]
 
@@ -284,22 +392,10 @@ class ContactTable(Record):
     bodies with an outline)"""
     interference: bool = False
     """whether an overlap before any motion is intended: no warning then"""
-    pairing: Pairing = "segment-to-segment"
-    enforcement: EnforcementName = "augmented-lagrange"
-    """constraint enforcement"""
+    pairing: Pairing
+    enforcement: Law
     friction: float = Field(default=0.0, ge=0.0, le=10.0)
     """coefficient of Coulomb's friction"""
-    barrier_N_per_mm: Positive | None = None
-    """pressure times gap of a barrier, needed for it"""
-    barrier_reach_mm: Positive | None = None
-    """gap from which a barrier has no pressure"""
-    penalty_MPa_mm: Positive | None = None
-    """pressure per penetration (default: from stiffness and edges of the bodies)"""
-    nodal_penalty_N_per_mm: NodalPenalty = None
-    penetration_mm: Positive = 1e-5
-    """tolerated penetration of augmented-lagrange"""
-    weighting: Weighting = "standard"
-    slack: Slack = NodeToSegment.slack
 
 
 class StepsTable(Record):
@@ -339,7 +435,6 @@ class BodiesInputs(Case):
 SHAPES = ("rectangle", "disc", "outline", "file")
 DIAGONAL_PER_SIZE = 20.0  # diagonal of a shape per default edge length of its triangles
 MAX_EDGES = 100_000  # along a side of an outline: more is a mistake in a size
-RIM, ARC, CUT = "rim", "arc", "cut"
 
 
 @dataclass(frozen=True, eq=False)
@@ -410,27 +505,12 @@ def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
         shape = body.rectangle
         return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm))
     if body.disc is not None:
-        return Region(disc_outline(body.disc))
+        disc = body.disc
+        if disc.half is None:
+            return Region(circle(disc.radius_mm, disc.centre_mm, name="rim"))
+        arc = None if disc.arc_deg is None else float(np.deg2rad(disc.arc_deg))
+        return Region(half_disc(disc.radius_mm, disc.centre_mm, disc.half, arc))
     return outline_region(body.outline or {}, f"{key}.outline: ", notices)
-
-
-def disc_outline(disc: DiscTable) -> Outline:
-    """Outline of a disc or a half disc."""
-    x, y = disc.centre_mm
-    if disc.half is None:
-        segments = circle(disc.radius_mm, disc.centre_mm).segments
-        return Outline.from_segments(segments, [RIM] * len(segments))
-    sign = 1.0 if disc.half == "upper" else -1.0
-    first, last = (x + sign * disc.radius_mm, y), (x - sign * disc.radius_mm, y)
-    if disc.arc_deg is None:
-        corners, names = [(x, y + sign * disc.radius_mm)], [RIM, RIM]
-    else:
-        angles = np.pi / 2.0 + np.deg2rad(disc.arc_deg) / 2.0 * np.array([-1.0, 1.0])
-        ends = disc.centre_mm + sign * disc.radius_mm * np.column_stack((np.cos(angles), np.sin(angles)))
-        corners, names = [(float(a), float(b)) for a, b in ends], [RIM, ARC, RIM]
-    pairs = itertools.pairwise([first, *corners, last])
-    arcs = [Arc(a, b, disc.centre_mm, counter_clockwise=True) for a, b in pairs]
-    return Outline.from_segments([Line(last, first), *arcs], [CUT, *names])
 
 
 def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
@@ -510,8 +590,6 @@ def listed(names: str | Sequence[str] | None) -> list[str]:
     return [names] if isinstance(names, str) else list(names or ())
 
 
-Ints = NDArray[np.int32]
-
 Where = str | tuple[float, float]
 
 ON_LINE = 1e-6  # distance relative to the size of the mesh up to which a point lies on a line or in a box
@@ -520,6 +598,12 @@ ON_LINE = 1e-6  # distance relative to the size of the mesh up to which a point 
 def keys_of_place(table: PlaceTable) -> list[str]:
     """Keys of a table that say where, but for a point."""
     return [name for name in ("edges", "at_x_mm", "at_y_mm", "box_mm") if getattr(table, name) is not None]
+
+
+def edges_at(mesh: PolyMesh, table: PlaceTable, key: str) -> IntArray:
+    """Boundary edges at the position of a table, pairs of points (n, 2)."""
+    with located(f"{key}{'' if table.edges is None else '.edges'}: "):
+        return mesh.edge_set(table.edges, within=table.box_mm, at_x=table.at_x_mm, at_y=table.at_y_mm)
 
 
 def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
@@ -534,54 +618,3 @@ def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], 
             "give a corner of the outline or a point of the mesh",
         )
     return float(nearest[0]), float(nearest[1])
-
-
-def edges_at(
-    mesh: PolyMesh,
-    body: str,
-    names: str | Sequence[str] | None,
-    box: Box | None,
-    lines: tuple[float | None, float | None],
-    key: str,
-    which: str,
-) -> Ints:
-    """Boundary edges at a position, pairs of points (n, 2).
-
-    - `body`: its name, for messages.
-    - `names`: edge sets, or None for the whole boundary.
-    - `box`: corners x_min, y_min, x_max, y_max of a box that contains them.
-    - `lines`: the x and the y of lines on which they lie.
-    - `key`, `which`: table and key, for messages.
-    """
-    pairs = mesh.boundary_edges
-    if names is not None:
-        chosen, what = listed(names), f"edge sets of {body!r}"
-        known = sorted(name for name in mesh.edge_sets if "[" not in name)
-        if not chosen:
-            raise InputError(f"{key}.{which} = []", f"{what}: {', '.join(known) or 'none'}", f"leave {which} out")
-        for name in chosen:
-            require_known(f"{key}.{which}", name, known, what)
-        pairs = np.vstack([mesh.edge_sets[name] for name in chosen])
-    slack = ON_LINE * float(norms(np.ptp(mesh.points, axis=0)))
-    ends = mesh.points[pairs]
-    # a line is a box without width
-    low = np.array([-np.inf if at is None else at for at in lines])
-    high = np.array([np.inf if at is None else at for at in lines])
-    if box is not None:
-        low, high = np.maximum(low, box[:2]), np.minimum(high, box[2:])
-    inside = ((ends >= low - slack) & (ends <= high + slack)).all(axis=(1, 2))
-    if not inside.any():
-        (x0, y0), (x1, y1) = mesh.points.min(axis=0), mesh.points.max(axis=0)
-        raise InputError(
-            f"{key}: no boundary edge of {body!r} is there",
-            f"positions on its boundary, which reaches from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g})",
-            "correct the numbers; a box must contain whole edges",
-        )
-    return pairs[inside]
-
-
-def free_edges(body: LinearBody, pairs: Ints) -> Ints:
-    """Edges without a point that is fixed in both components, where no contact force could act."""
-    nodes = body.edge_nodes(pairs)
-    loose: Bools = np.logical_not(body.supported.all(axis=1))
-    return pairs[loose[nodes].all(axis=1)]

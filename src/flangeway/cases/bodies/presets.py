@@ -22,16 +22,13 @@ from flangeway.cases.bodies.bodies_run import (
 )
 from flangeway.cases.bodies.bodies_shape import (
     ContactTable,
+    Law,
     MethodName,
-    NodalPenalty,
+    MultiplierLaw,
     Pairing,
-    PairingName,
-    Slack,
     Stabilisation,
-    Weighting,
 )
 from flangeway.cases.case import PresetCase
-from flangeway.contact import NodeToSegment
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -146,17 +143,13 @@ class HertzCase(PresetCase, BodiesCase):
     """edge length of the triangles elsewhere"""
     growth: Fraction = 0.13
     """growth of the edge length per distance from the contact"""
-    pairing: Pairing = "segment-to-segment"
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "augmented-lagrange"
-    """constraint enforcement"""
+    pairing: Pairing
+    enforcement: Law
     fine_arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
     """angle of the fine arc of both discs about the contact (default: its zone)"""
     halved_edges: bool = False
     """whether the edges of the fine arcs are halved, see halved_side"""
     stabilisation: Stabilisation = "default"
-    weighting: Weighting = "standard"
-    nodal_penalty_N_per_mm: NodalPenalty = None
-    slack: Slack = NodeToSegment.slack
     curved: bool = True
     """whether gaps are measured between the circles, not between straight edges"""
     n_steps: int = Field(default=1, ge=1, le=1000)
@@ -335,16 +328,9 @@ class ContactPatchCase(PresetCase, BodiesCase):
     """edge length of the upper box's triangles"""
     lower_size_mm: ElementSize = 3.1
     """edge length of the lower box's triangles"""
-    pairing: PairingName = "segment-to-segment"
-    """contact discretisation; all but node-to-segment pass"""
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = "multiplier"
-    """constraint enforcement"""
-    penalty_MPa_mm: Positive | None = None
-    """pressure per penetration (default: as of bodies)"""
-    nodal_penalty_N_per_mm: NodalPenalty = None
-    penetration_mm: Positive = 1e-5
-    """tolerated penetration of augmented-lagrange"""
-    weighting: Weighting = "standard"
+    pairing: Pairing
+    enforcement: Law = Field(default_factory=lambda: MultiplierLaw(kind="multiplier"), discriminator="kind")
+    """constraint enforcement; of the pairings all but node-to-segment pass"""
     rotation_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
     """rotation of everything, counter-clockwise"""
 
