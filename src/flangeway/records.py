@@ -504,7 +504,7 @@ def path_by_ending(record: type[Record], name: str) -> list[str]:
         unit = us_key(path[-1])
         for last in (path[-1], *([unit.name] if unit else [])):
             by_name.setdefault(last, []).append(".".join((*path[:-1], last)))
-    by_depth = {last: sorted(found, key=lambda path: path.count(".")) for last, found in by_name.items()}
+    by_depth = {last: sorted(several, key=lambda path: path.count(".")) for last, several in by_name.items()}
     known = [path for last in similar(parts[-1], by_name) for path in by_depth[last]][:MAX_SIMILAR]
     everything = f"`flangeway cases {record.called()}` lists all {len(paths)}"
     raise InputError(

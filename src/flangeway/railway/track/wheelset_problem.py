@@ -234,7 +234,7 @@ class WheelsetProblem(WheelsetOnTrack):
                 if getattr(self.rolling, name) and self._has_no_friction:
                     raise refused_by_check(
                         f"rolling.{name} = {getattr(self.rolling, name):g} with rolling.friction = 0",
-                        "friction above 0, which bears it",
+                        "friction above 0",
                         f"leave {name} out, or give friction",
                     )
         _ = self.forces

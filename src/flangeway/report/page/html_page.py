@@ -137,7 +137,7 @@ def _plain(value: object, digits: int = 10) -> str:
     if value is None:
         return "–"
     if isinstance(value, list | tuple | Mapping):
-        rounded = mapped(value, lambda _, each: float(f"{each:.{digits}g}") if isinstance(each, float) else each)
+        rounded = mapped(value, lambda _, one: float(f"{one:.{digits}g}") if isinstance(one, float) else one)
         text = toml_value(rounded)
         if len(text) > MAX_LETTERS and isinstance(rounded, list):  # in any units the same items
             text = f"{toml_value(rounded[:2])[:-1]}, ...]"
