@@ -39,7 +39,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.post import nodal_residual
 from flangeway.problems import Body, BodyForce, Part, PrescribedDisplacement, Pressure, TemperatureChange, Traction
-from flangeway.problems.loads import Load
+from flangeway.problems.loads import AppliedLoad
 from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.solve.body_response import BodyLoad
 
@@ -163,7 +163,7 @@ class Case:
         x, y = scene.vectors([[0.0, -1.0]])[0].tolist()
         return self._load((x, y), factor)
 
-    def _load(self, down: tuple[float, float], factor: float) -> Load:
+    def _load(self, down: tuple[float, float], factor: float) -> AppliedLoad:
         along = factor * down[0], factor * down[1]
         if self.drive == "force":
             return Traction("right" if self.mover == "cantilever" else "top", along)

@@ -21,9 +21,9 @@ from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
-from flangeway.railway.track.loads import Load
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair
 from flangeway.railway.track.rolling import RollingMotion
+from flangeway.railway.track.wheelset_loads import Load
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces
 from flangeway.railway.wheelset.side_newton import transferred, transferred_creep

@@ -26,8 +26,8 @@ from flangeway.mesh import (
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spring, Traction
 from flangeway.quantities import Quantity, columns, key_unit, of_part, reference, values
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
-from flangeway.railway.track.loads import FromSpeed, Load, Position
 from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.wheelset_loads import FromSpeed, Load, Position
 from flangeway.railway.track.wheelset_problem import Mesh, Plane
 from flangeway.records import GivenText
 from flangeway.report.damage_record import row_quantities

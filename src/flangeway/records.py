@@ -376,7 +376,7 @@ def _plain(value: Any, default: type[Any]) -> Any:
     return [_plain(entry, type(None)) for entry in value] if isinstance(value, list | tuple) else value
 
 
-class Entry(NamedTuple):
+class InputEntry(NamedTuple):
     """An input of a record: its path, its field, its value, and whether it is the one that is there without it."""
 
     path: tuple[str, ...]
@@ -390,14 +390,14 @@ class Entry(NamedTuple):
         return ".".join(self.path)
 
 
-def entries_of(record: Record, above: tuple[str, ...] = (), *, is_kind_by_default: bool = True) -> Iterator[Entry]:
+def entries_of(record: Record, above: tuple[str, ...] = (), *, is_kind_by_default: bool = True) -> Iterator[InputEntry]:
     """Yield the inputs of a record and of the records in it, one by one; lists of records are one input."""
     for key, field in type(record).described_fields().items():
         value, default, path = getattr(record, key), default_of(field), (*above, key)
         if isinstance(value, Record):
             yield from entries_of(value, path, is_kind_by_default=type(value) is type(default))
         else:
-            yield Entry(path, field, value, value == default and (key != TAG or is_kind_by_default))
+            yield InputEntry(path, field, value, value == default and (key != TAG or is_kind_by_default))
 
 
 def _is_huge(value: float | GivenText) -> bool:

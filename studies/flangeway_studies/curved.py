@@ -16,7 +16,7 @@ from flangeway.mesh import PolyMesh, Refinement, curved, dual, triangulate
 from flangeway.mesh.curved import Curves as EdgeCurves
 from flangeway.post import corner_stresses, pressure_patches
 from flangeway.post.recovery import stress_errors
-from flangeway.problems import Body, Elasticity, Load, Part, Pressure, Torsion, Traction
+from flangeway.problems import AppliedLoad, Body, Elasticity, Part, Pressure, Torsion, Traction
 from flangeway.solve import solve_elasticity, solve_torsion
 from flangeway.space import Space
 from flangeway.types import Floats
@@ -68,7 +68,7 @@ def solved(body: str, element: Element, level: int, *, on_curves: bool) -> tuple
     exact: Callable[[Floats], Floats]
     if body == "Lamé":
         triangles, exact = ring_sector(level, level), lame_stresses
-        loads: list[Load] = [Pressure("left", CYLINDER.inner_pressure)]
+        loads: list[AppliedLoad] = [Pressure("left", CYLINDER.inner_pressure)]
     else:
         triangles, exact = kirsch_plate(level, geometric=True), PLATE.stresses
         circles, loads = [circle(PLATE.radius)], [Traction("right", plate_traction)]

@@ -14,8 +14,8 @@ from flangeway.railway.damage.rolling_fatigue import DangVan, surface_fatigue_in
 from flangeway.railway.damage.rolling_plasticity import RollingLine, RollingSteel
 from flangeway.railway.damage.wear_laws import ArchardLaw, CellLoads, UsfdLaw, WearLaw, patch_loads, row_wear
 from flangeway.railway.damage.worn_surface import WornSurface
-from flangeway.railway.track.loads import Curve, Load
 from flangeway.railway.track.rolling import RollingMotion
+from flangeway.railway.track.wheelset_loads import Curve, Load
 from flangeway.railway.track.wheelset_problem import Mesh, Spatial
 from flangeway.railway.wheelset.spatial_result import solve_spatial
 from flangeway.types import Floats

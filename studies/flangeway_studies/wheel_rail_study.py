@@ -20,8 +20,8 @@ from flangeway.railway.profiles.flange_root import (
     with_flange_root,
     with_wide_flange_root,
 )
-from flangeway.railway.track.loads import Load, Position
 from flangeway.railway.track.placements import Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.wheelset_loads import Load, Position
 from flangeway.railway.track.wheelset_problem import Mesh, Plane, WheelsetProblem
 from flangeway.railway.wheelset.plane_patch import WheelRailPatch
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset

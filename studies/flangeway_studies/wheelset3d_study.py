@@ -11,9 +11,9 @@ from flangeway.contact.patch.normal_contact import ElasticSurface
 from flangeway.contact.patch.patch_contact import SpatialPatch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.railway.track.loads import Curve, Load
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition
 from flangeway.railway.track.supports import Fixed, RigidAxle
+from flangeway.railway.track.wheelset_loads import Curve, Load
 from flangeway.railway.track.wheelset_problem import Mesh, Method, Plane, YieldingSteel
 from flangeway.railway.wheelset.fine_cells import finer
 from flangeway.railway.wheelset.running_surfaces import running_surfaces

@@ -12,7 +12,7 @@ from flangeway.cases.wheelset.wheelset_notes import unusual
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_limits, shakedown_state
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.track.loads import Curve, Load, superelevation_angle
+from flangeway.railway.track.wheelset_loads import Curve, Load, superelevation_angle
 
 
 def test_the_plane_case_files_have_the_published_measures():

@@ -28,9 +28,9 @@ from flangeway.railway.rigid.conicity import (
     read_rolling_radius_difference,
 )
 from flangeway.railway.rigid.rigid_side import RigidCurve
-from flangeway.railway.track.loads import Load, superelevation_angle
 from flangeway.railway.track.placements import Track, WheelPair
-from flangeway.railway.track.supports import ElasticAxle, Sleepers, WholeSection
+from flangeway.railway.track.supports import ElasticAxle, Sleepers, WholeWheel
+from flangeway.railway.track.wheelset_loads import Load, superelevation_angle
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.whole_wheel import whole_wheel
 
@@ -43,7 +43,7 @@ WORN = WornSurface(rail("60E1"))
 
 
 def disc(**wrong):
-    return whole_wheel(wheel("S1002"), 460.0, WholeSection(**wrong))
+    return whole_wheel(wheel("S1002"), 460.0, WholeWheel(**wrong))
 
 
 WRONG = {

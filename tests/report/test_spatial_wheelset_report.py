@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import interp1d
 
 from flangeway.cases import load_case
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction

@@ -5,8 +5,7 @@ from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode,
 from flangeway.cases.case import Case, Convergence, RunnableCase, run_halved
 from flangeway.cases.case_file import CASES, find_case, load_case, schema, write_template
 from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.wheelset_case import Wheelset
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import Wheelset, WheelsetRun
 
 __all__ = [
     "CASES",

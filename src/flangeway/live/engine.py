@@ -27,8 +27,7 @@ from flangeway.cases.case_file import (
     toml_text,
     write_case_file,
 )
-from flangeway.cases.wheelset.wheelset_case import Wheelset
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import Wheelset, WheelsetRun
 from flangeway.errors import FlangewayError, InputError, short
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.orientation import ReadOptions

@@ -230,7 +230,7 @@ def _order(pairs: list[list[int]]) -> list[int]:
 # --- Curves that edges of a mesh lie on: which edge on which curve, and from where to where.
 
 
-class Curve(Protocol):
+class EdgeCurve(Protocol):
     """What edges can lie on: an `Arc`, a `Spline`, or an object with these methods."""
 
     def point(self, s: ArrayLike) -> Floats:
@@ -239,7 +239,7 @@ class Curve(Protocol):
     def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Parameters (n,) and distances (n,) of the closest points."""
 
-    def transformed(self, placement: Placement) -> "Curve":
+    def transformed(self, placement: Placement) -> "EdgeCurve":
         """The curve in the placed frame, with the same parameters."""
 
 
@@ -260,7 +260,7 @@ class EdgeCurves:
     """
 
     pairs: IntArray
-    curves: tuple[Curve, ...]
+    curves: tuple[EdgeCurve, ...]
     number: Ints
     ends: Floats
 
@@ -326,7 +326,7 @@ class EdgeCurves:
 
 def united(several: Sequence[EdgeCurves]) -> EdgeCurves:
     """Curved edges of several tables as one; those of the same curves keep them once."""
-    curves: list[Curve] = []
+    curves: list[EdgeCurve] = []
     row_of_pair: dict[int, int] = {}
     numbers = []
     for table in several:

@@ -4,9 +4,9 @@ from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import ElasticField, Elasticity
 from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
 from flangeway.problems.loads import (
+    AppliedLoad,
     BodyForce,
     Gravity,
-    Load,
     PointForce,
     PrescribedDisplacement,
     Pressure,
@@ -21,6 +21,7 @@ from flangeway.problems.stiffness_body import LinearBody, Part, StiffnessBody
 from flangeway.problems.torsion_problem import Torsion
 
 __all__ = [
+    "AppliedLoad",
     "Body",
     "BodyForce",
     "ElasticField",
@@ -29,7 +30,6 @@ __all__ = [
     "Gravity",
     "Harmonic",
     "LinearBody",
-    "Load",
     "LongitudinalTraction",
     "Part",
     "PointForce",

@@ -18,7 +18,7 @@ from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.loads import (
-    Load,
+    AppliedLoad,
     PrescribedDisplacement,
     RigidHandle,
     Spring,
@@ -188,7 +188,7 @@ MAX_FACET_AREA = 1e-4
 """Area between chords and their curves relative to the section, from which a sentence names it."""
 
 
-def _of_kind(items: Sequence[Load | Support], kind: type[Kind]) -> tuple[Kind, ...]:
+def _of_kind(items: Sequence[AppliedLoad | Support], kind: type[Kind]) -> tuple[Kind, ...]:
     return tuple(item for item in items if isinstance(item, kind))
 
 
@@ -223,7 +223,7 @@ class Elasticity:
     space: Space
     material: Material | Mapping[str, Material]
     thickness: float = 1.0
-    loads: Sequence[Load] = ()
+    loads: Sequence[AppliedLoad] = ()
     supports: Sequence[Support] = ()
     name: str = "body"
 
@@ -265,7 +265,9 @@ class Elasticity:
 
     def _check_items(self) -> None:
         for load in self.loads:
-            check_kind("Elasticity", "a load", load, Load, "items of flangeway.problems.loads", "make a Traction, ...")
+            check_kind(
+                "Elasticity", "a load", load, AppliedLoad, "items of flangeway.problems.loads", "make a Traction, ..."
+            )
             load.check(self)
         for support in self.supports:
             kinds = "PrescribedDisplacement, Spring or RigidHandle"
@@ -446,7 +448,7 @@ class Elasticity:
         """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, 2)."""
         return self._forces(self.thermal_loads)
 
-    def _forces(self, loads: Sequence[Load]) -> Floats:
+    def _forces(self, loads: Sequence[AppliedLoad]) -> Floats:
         return sum((load.forces(self) for load in loads), np.zeros((self.space.n_dofs, 2)))
 
     def thermal_energy(self) -> float:

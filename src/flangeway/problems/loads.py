@@ -284,7 +284,7 @@ class LoadedProblem(Protocol):
     ) -> Floats: ...
 
 
-class Load(ABC):
+class AppliedLoad(ABC):
     """A load; its subclasses are final."""
 
     @abstractmethod
@@ -296,7 +296,7 @@ class Load(ABC):
         """Forces on all unknowns, shape (n_dofs, 2)."""
 
 
-def refuse_held(load: Load, problem: LoadedProblem, held: Bools) -> None:
+def refuse_held(load: AppliedLoad, problem: LoadedProblem, held: Bools) -> None:
     """Raise `InputError` for a load that acts on held displacements (n_nodes, 2) alone, where it does nothing."""
     forces = np.abs(load.forces(problem))
     maximum = float(forces.max(initial=0.0))
@@ -312,7 +312,7 @@ def refuse_held(load: Load, problem: LoadedProblem, held: Bools) -> None:
 
 
 @dataclass(frozen=True)
-class _EdgeLoad(Load):
+class _EdgeLoad(AppliedLoad):
     """Force per area on named edges."""
 
     edges: str
@@ -322,11 +322,11 @@ class _EdgeLoad(Load):
         return f"{type(self).__name__} on {short(self.edges)}"
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         problem.space.mesh.edge_set(self.edges)
 
     def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(self.edges))
         values = self._tractions(rule.points.reshape(-1, 2), rule.normals.reshape(-1, 2)).reshape(rule.points.shape)
         weights = rule.weights * problem.depth(rule.points)
@@ -385,25 +385,25 @@ class Pressure(_EdgeLoad):
 
 
 @dataclass(frozen=True, eq=False)
-class GivenForces(Load):
+class GivenForces(AppliedLoad):
     """Forces on all unknowns, shape (n_dofs, 2)."""
 
     values: Floats
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         if self.values.shape != (problem.space.n_dofs, 2):
             raise InputError(
                 f"forces of shape {self.values.shape}", f"({problem.space.n_dofs}, 2)", "give a force for each unknown"
             )
 
     def forces(self, problem: LoadedProblem) -> Floats:  # noqa: ARG002 (they are given)
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         return self.values
 
 
 @dataclass(frozen=True)
-class PointForce(Load):
+class PointForce(AppliedLoad):
     """Force at a point of the mesh; in a body of revolution, the sum around the axis.
 
     The displacement below it grows without limit as the mesh is refined.
@@ -427,18 +427,18 @@ class PointForce(Load):
             raise InputError("PointForce with a function", "two numbers", "take Traction for distributed forces")
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         problem.node_at(self.at)
 
     def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         forces[problem.node_at(self.at)] = self.force
         return forces
 
 
 @dataclass(frozen=True)
-class BodyForce(Load):
+class BodyForce(AppliedLoad):
     """Force per volume.
 
     Parameters
@@ -457,18 +457,18 @@ class BodyForce(Load):
         check_vector("BodyForce", self.value)
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         if self.cells is not None:
             problem.space.mesh.cell_set(self.cells)
 
     def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         factors = problem.cells_in(self.cells).astype(np.float64)
         return _volume_forces(problem, self.value, factors)
 
 
 @dataclass(frozen=True)
-class Gravity(Load):
+class Gravity(AppliedLoad):
     """Weight: density times an acceleration; every material needs its density.
 
     Parameters
@@ -486,11 +486,11 @@ class Gravity(Load):
             raise InputError("Gravity with a function", "two numbers", "take BodyForce")
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         _ = self._densities(problem)
 
     def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         return _volume_forces(problem, self.acceleration, self._densities(problem))
 
     def _densities(self, problem: LoadedProblem) -> Floats:
@@ -523,7 +523,7 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
 
 
 @dataclass(frozen=True)
-class TemperatureChange(Load):
+class TemperatureChange(AppliedLoad):
     """Thermal strain: a rise of temperature times the materials' coefficients of expansion.
 
     Parameters
@@ -542,7 +542,7 @@ class TemperatureChange(Load):
         check_scalar("TemperatureChange", self.change)
 
     def check(self, problem: LoadedProblem) -> None:
-        """See `Load.check`."""
+        """See `AppliedLoad.check`."""
         cells = problem.cells_in(self.cells)
         for number in np.unique(problem.cell_material[cells]):
             _ = problem.materials[number].thermal_strain
@@ -552,7 +552,7 @@ class TemperatureChange(Load):
         return scalar_at("TemperatureChange", self.change, points)
 
     def forces(self, problem: LoadedProblem) -> Floats:
-        """See `Load.forces`."""
+        """See `AppliedLoad.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         for batch in problem.space.batches():
             reconstruction = batch.reconstruction

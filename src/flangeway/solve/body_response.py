@@ -14,7 +14,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import cross_product
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
-from flangeway.problems.loads import GivenForces, Load, Pressure, TemperatureChange
+from flangeway.problems.loads import AppliedLoad, GivenForces, Pressure, TemperatureChange
 from flangeway.problems.nonlinear_body import LinearisedBody
 from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.types import Bools, Floats, Ints
@@ -27,7 +27,7 @@ Kind = Literal["turning", "space", "edges"]
 
 KINDS_OF_FORCES: tuple[Kind, ...] = ("space", "edges")
 
-BodyLoad = Load | PrescribedDisplacement
+BodyLoad = AppliedLoad | PrescribedDisplacement
 """A load, or a displacement of what is held relative to the frame."""
 
 
@@ -138,7 +138,7 @@ def loads_on(body: LinearBody, items: Sequence[BodyLoad]) -> BodyLoads:
             "Traction, Pressure, PointForce, BodyForce, Gravity, TemperatureChange or PrescribedDisplacement",
             "supports are Body(held=...) and Body(springs=...)",
         )
-    loads = [item for item in items if isinstance(item, Load)]
+    loads = [item for item in items if isinstance(item, AppliedLoad)]
     problem = replace(body.elasticity, loads=loads)
     warm = problem.thermal_loads
     n, held = problem.space.n_dofs, _shifts(body, [item for item in items if isinstance(item, PrescribedDisplacement)])

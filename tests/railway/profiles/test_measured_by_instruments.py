@@ -23,9 +23,9 @@ from flangeway.railway.profiles.profile_file import read_profile
 from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import Track, WheelPair
 from flangeway.railway.track.supports import Sleepers
+from flangeway.railway.track.wheelset_loads import WheelsetLoad
 from flangeway.railway.wheelset.supported_rail import supported_rail
 
 

@@ -16,8 +16,8 @@ from flangeway.railway.rigid.conicity import read_rolling_radius_difference
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide, outline_across
-from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import Track, WheelPair
+from flangeway.railway.track.wheelset_loads import WheelsetLoad
 
 HEAVY_HAUL = (
     Track(rail="136RE", gauge_mm=1600.0, gauge_at="narrowest"),

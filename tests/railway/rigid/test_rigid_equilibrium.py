@@ -12,8 +12,8 @@ from flangeway.exact import contact_modulus
 from flangeway.railway.rigid.rigid_equilibrium import rigid_equilibrium, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
-from flangeway.railway.track.loads import WheelsetLoad, curve_force_N, superelevation_angle
 from flangeway.railway.track.placements import SIDES, Track, WheelPair
+from flangeway.railway.track.wheelset_loads import WheelsetLoad, curve_force_N, superelevation_angle
 
 WEIGHT = 300e3
 CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))

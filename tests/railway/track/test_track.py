@@ -7,8 +7,8 @@ import pytest
 
 from flangeway.cases.rigid_run import GeometryCase
 from flangeway.cases.wheelset.wheelset_notes import derived
-from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.wheelset_loads import WheelsetLoad
 
 WHEELS = WheelPair(wheel="AAR-1B", back_to_back_mm=1515.0, radius_mm=500.0, radius_at="flange-tip")
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from flangeway.cases.case_file import load_case
-from flangeway.railway.track.loads import Position
+from flangeway.railway.track.wheelset_loads import Position
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset
 
 S1002_ON_60E1: dict[str, str | float] = {

@@ -15,7 +15,7 @@ from flangeway.railway.profiles.bundled import WHEELS, WheelProfile, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.joining import whole_profile
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.railway.track.supports import ElasticAxle, WholeSection
+from flangeway.railway.track.supports import ElasticAxle, WholeWheel
 from flangeway.railway.wheelset.whole_wheel import revolved, wheel_correction, whole_wheel
 from flangeway.solve import SurfaceCells
 from flangeway.space import Space
@@ -174,7 +174,7 @@ def test_a_whole_wheel_gives_way_as_one_of_920_mm_should() -> None:
 
 def test_a_symmetric_wheel_gives_a_symmetric_matrix() -> None:
     """Mirrored cells exchange their rows, with the sign of what points across."""
-    disc = WholeSection(web_middle_mm=(0.0, 0.0), hub_mm=(-80.0, 80.0))
+    disc = WholeWheel(web_middle_mm=(0.0, 0.0), hub_mm=(-80.0, 80.0))
     profile = plain(120.0, 50.0)
     found = wheel_correction(whole_wheel(profile, RADIUS, disc), RADIUS, cells_of(profile, -18.0, 18.0, 4))
     signs = np.array([-1.0, 1.0, 1.0])
@@ -191,7 +191,7 @@ def test_every_bundled_wheel_gets_a_web_and_a_hub(name) -> None:
         whole.running_surface.sampled(spacing=5.0), profile.running_surface.sampled(spacing=5.0)
     )
     low, high = whole.outline.bounds(["cut"])
-    assert low[1] == high[1] == RADIUS - WholeSection().bore_radius_mm
+    assert low[1] == high[1] == RADIUS - WholeWheel().bore_radius_mm
     assert high[0] - low[0] == 180.0
     assert 20e3 < whole.outline.area < 30e3
 

@@ -48,7 +48,7 @@ from flangeway.problems import (
     Traction,
 )
 from flangeway.problems.body import Components
-from flangeway.problems.loads import Load
+from flangeway.problems.loads import AppliedLoad
 from flangeway.records import require_known
 from flangeway.solve import Handle
 from flangeway.solve.body_response import BodyLoad
@@ -235,7 +235,7 @@ class _Builder:
             )
         return Spring(where, stiffness[0] or 0.0, stiffness[1] or 0.0)
 
-    def _load(self, table: LoadTable, key: str) -> Load:
+    def _load(self, table: LoadTable, key: str) -> AppliedLoad:
         given = [name for name in LOAD_KEYS if getattr(table, name) is not None]
         if len(given) != 1:
             raise InputError(
@@ -382,8 +382,8 @@ class _Builder:
         return legs, push
 
 
-def _whole(table: LoadTable) -> Load:
-    """Load of a whole body, or of cells of it."""
+def _whole(table: LoadTable) -> AppliedLoad:
+    """AppliedLoad of a whole body, or of cells of it."""
     if table.gravity_m_s2 is not None:
         x, y = table.gravity_m_s2
         return Gravity((MM_PER_M * x, MM_PER_M * y))

@@ -3,8 +3,8 @@
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.named import as_paths
 from flangeway.railway.profiles.profile_file import FIELD_WORN, MIRRORED, side_notices
-from flangeway.railway.track.loads import FromSpeed, superelevation_angle
 from flangeway.railway.track.placements import SIDES, Track, usual_gauge
+from flangeway.railway.track.wheelset_loads import FromSpeed, superelevation_angle
 from flangeway.railway.track.wheelset_problem import WheelsetOnTrack
 
 

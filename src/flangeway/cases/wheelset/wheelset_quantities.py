@@ -27,8 +27,8 @@ from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.post.patch_stresses import StressField, StressMaximum
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, of_part
-from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import SIDES, Side, Track
+from flangeway.railway.track.wheelset_loads import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
 from flangeway.railway.wheelset.plane_patch import WheelRailPatch

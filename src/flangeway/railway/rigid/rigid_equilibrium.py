@@ -20,8 +20,8 @@ from flangeway.railway.rigid.rigid_geometry import (
     TouchingPositions,
     levers,
 )
-from flangeway.railway.track.loads import WheelsetLoad
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
+from flangeway.railway.track.wheelset_loads import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats

@@ -191,7 +191,7 @@ Axle: TypeAlias = Annotated[ElasticAxle | RigidAxle, Field(discriminator="kind")
 # --- Sections of wheels.
 
 
-class WholeSection(Record):
+class WholeWheel(Record):
     """Dimensions of a monobloc wheel inside of its running surface, x from the tape line, held at its bore.
 
     Those by default are assumed: a wheel of 920 mm of usual proportions, with a straight conical web and a wheel seat
@@ -216,7 +216,7 @@ class WholeSection(Record):
     """radius of its bore"""
 
     @model_validator(mode="after")
-    def _hub_has_steel(self) -> "WholeSection":
+    def _hub_has_steel(self) -> "WholeWheel":
         if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
             raise refused_by_check(
                 f"a hub from {self.hub_mm[0]:g} to {self.hub_mm[1]:g} mm and radii of {self.bore_radius_mm:g} and "
@@ -234,5 +234,5 @@ class RimSection(Record):
     """the rim alone, held at its cut"""
 
 
-WheelSection: TypeAlias = Annotated[RimSection | WholeSection, Field(discriminator="kind")]
+WheelSection: TypeAlias = Annotated[RimSection | WholeWheel, Field(discriminator="kind")]
 """What of a wheel is elastic."""

@@ -11,9 +11,9 @@ from pydantic import Field, model_validator
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.materials import Elastic
-from flangeway.railway.track.loads import Load, Position, WheelsetLoad
 from flangeway.railway.track.placements import SIDES, Side, Track, WheelPair, refuse_misfit
 from flangeway.railway.track.rolling import RollingMotion
+from flangeway.railway.track.wheelset_loads import Load, Position, WheelsetLoad
 from flangeway.records import ElementOrder, Fraction, PoissonRatio, Positive, Record, SolidModulus, refused_by_check
 
 Method = Literal["fem", "vem"]

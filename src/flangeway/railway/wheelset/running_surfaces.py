@@ -15,7 +15,7 @@ from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.rigid.rigid_side import RigidCurve, RigidSide
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.track.supports import Continuous, Sleepers, Support, WheelSection, WholeSection
+from flangeway.railway.track.supports import Continuous, Sleepers, Support, WheelSection, WholeWheel
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
 from flangeway.railway.wheelset.side_contact import SideSurfaces
 from flangeway.railway.wheelset.supported_rail import rail_problem, sleeper_compliance, supported_rail
@@ -99,7 +99,7 @@ def _elastic(
     cells = running_cells(problem, profile, held, cache)
     surface = elastic_surface(cells, cache=cache, progress=progress)
     if isinstance(profile, WheelProfile):
-        if isinstance(held, WholeSection):
+        if isinstance(held, WholeWheel):
             progress("harmonics of the whole wheel")
             surface = surface.plus(wheel_correction(whole_wheel(profile, radius_mm, held), radius_mm, cells, cache))
     elif isinstance(held, Sleepers):

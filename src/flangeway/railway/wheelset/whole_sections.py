@@ -68,8 +68,8 @@ def whole_sections(result: SpatialResult, role: Role) -> dict[Side, WholeSection
         supports = {side: problem.track.support_of(side) for side in touching}
         alike = [side for side in touching if (profiles[side], supports[side]) == (profiles[first], supports[first])]
         cuts = [_cut(result, side, role, whole) for side in alike]
-        stands = isinstance(held, Sleepers | Continuous)
-        wavenumbers = waves(WAVENUMBERS[0] if stands else MIN_HELD, min(cut.forces.strip for cut in cuts))
+        is_supported = isinstance(held, Sleepers | Continuous)
+        wavenumbers = waves(WAVENUMBERS[0] if is_supported else MIN_HELD, min(cut.forces.strip for cut in cuts))
         further = _sleepers(whole.problem, held, result, wavenumbers, cuts) if isinstance(held, Sleepers) else None
         sums = wave_sums([cut.forces for cut in cuts], wavenumbers, further)
         sections |= {cut.side: _section(cut, *waves_of_cut) for cut, waves_of_cut in zip(cuts, sums, strict=True)}

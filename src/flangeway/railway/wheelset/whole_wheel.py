@@ -14,7 +14,7 @@ from flangeway.geometry.shapes import rounded_sides
 from flangeway.mesh import Refinement, triangulate
 from flangeway.problems import Elasticity, Harmonic
 from flangeway.railway.profiles.bundled import WheelProfile
-from flangeway.railway.track.supports import WholeSection
+from flangeway.railway.track.supports import WholeWheel
 from flangeway.solve import SurfaceCells
 from flangeway.solve.surface_compliance import compliances
 from flangeway.space import Space
@@ -47,7 +47,7 @@ RUNNING = "running surface"
 """Side of the polygon of the parts in whose place the running surface is."""
 
 
-def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WholeSection | None = None) -> WheelProfile:
+def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WholeWheel | None = None) -> WheelProfile:
     """Put rim, web and hub on the running surface of a wheel.
 
     Parameters
@@ -70,7 +70,7 @@ def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WholeSection | No
         If the parts do not fit each other.
 
     """
-    disc = WholeSection() if disc is None else disc
+    disc = WholeWheel() if disc is None else disc
     kept = [(n, s) for n, s in zip(profile.outline.names, profile.outline.segments, strict=True) if n not in FACES]
     first = next(i for i in range(len(kept)) if kept[i][1].start != kept[i - 1][1].end)
     kept = [*kept[first:], *kept[:first]]

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import RegularGridInterpolator
 
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_FURTHER,
@@ -38,7 +39,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WheelResult,
     patch_name,
 )
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side

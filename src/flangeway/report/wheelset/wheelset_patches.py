@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
-from flangeway.cases.wheelset.wheelset_run import WheelsetRun
 from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
