@@ -45,8 +45,8 @@ def test_every_name_is_the_one_of_its_module(package):
 
 
 def test_names_are_few_and_explained():
-    """There are not more than thirty-six names besides packages, and the package's own text speaks of each."""
-    assert len(stub_of(flangeway)[1]) <= 36
+    """There are not more than fifty names besides packages, and the package's own text speaks of each."""
+    assert len(stub_of(flangeway)[1]) <= 50
     for package in (flangeway, flangeway.railway):
         assert [name for name in stub_of(package)[1] if f"`{name}`" not in package.__doc__] == []
 

@@ -108,7 +108,7 @@ def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path)
 
 
 MAX_RETURNS = 24
-"""Returns of functions that take the problem, up to the first residual: a third of those with nested records."""
+"""Returns of functions that take the problem, up to the first residual; nesting it anew would add to them."""
 
 
 def test_the_main_job_passes_one_problem_from_the_command_to_the_residual(monkeypatch, tmp_path) -> None:
