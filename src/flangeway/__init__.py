@@ -11,8 +11,8 @@ What most scripts need stands here, in the order in which a script uses it:
 - bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment`,
   `SegmentToSegment` or `NodeToNode`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches`
   says how hard they touch;
-- the main job: `Wheelset(track=Track(rail="136RE"), load=Load(axle_load_kN=300.0)).solve()` is a wheelset on two
-  rails; its inputs are `Track` with `RailSide` and `Sleepers`, `Continuous` or `Fixed`, `WheelPair` with `WheelSide`,
+- the main job: a `Wheelset` on two rails, ``Wheelset(track=Track(rail="136RE"), load=Load(axle_load_kN=300)).solve()``;
+  its inputs are `Track` with `RailSide` and `Sleepers`, `Continuous` or `Fixed`, `WheelPair` with `WheelSide`,
   `Load` with `Curve`, `Position`, `RollingMotion`, `Mesh`, and `Plane` for a slice; `load_case` reads any case by name
   or from a case file, and its `run` computes it.
 

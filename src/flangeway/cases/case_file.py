@@ -446,9 +446,13 @@ def _toml_lines(table: Mapping[str, Any], above: tuple[str, ...]) -> list[str]:
             for item in value:
                 inner += ["", f"[[{'.'.join(path)}]]", *_toml_lines(item, path)]
         elif value is not None:
-            seen = os.path.relpath(value) if above and key in FILE_KEYS and is_file(Path(value)) else value
+            seen = os.path.relpath(value) if above and key in FILE_KEYS and _names_file(value) else value
             lines.append(f"{path[-1]} = {toml_value(seen)}")
     return [*lines, *inner]
+
+
+def _names_file(value: Any) -> bool:
+    return isinstance(value, str) and is_file(Path(value))
 
 
 def _toml_key(key: str) -> str:

@@ -3,10 +3,14 @@
 What notebooks and scripts need stands here; all is loaded when it is first used. `Wheelset(...).solve()` runs the case.
 
 - profiles: bundled ones by `rail` and `wheel`; files by `read_profile` with `ReadOptions`, and `joined` to a body;
-- `Track` and `WheelPair` with their measures, `Load`, `Curve` and `Position`;
+- inputs of a wheelset: `Track` with `RailSide`, `RailFile` and the supports `Sleepers`, `Continuous` and `Fixed`;
+  `WheelPair` with `WheelSide`, `WheelFile`, the sections `RimSection` and `WholeWheel`, and the axles `ElasticAxle` and
+  `RigidAxle`; `Load` with `Car` and `Curve` (superelevation `FromSpeed`), whose forces are a `WheelsetLoad` on a track
+  turned by `superelevation_angle`; `Position`; `RollingMotion` with `FrictionAlongTrack`; `Steel`, `YieldingSteel`;
+  `Mesh` with `BodyMesh`; contact that is `Spatial` or `Plane`;
 - rigid contact: `RigidGeometry`, `rigid_equilibrium`, and `RollingRadiusDifference` with `equivalent_conicity` and
   `conicity_by_regression`;
-- the elastic wheelset in space: `WheelsetProblem`, `RollingMotion`, `Mesh`, `solve_spatial` with its
+- the elastic wheelset in space: `WheelsetProblem`, `solve_spatial` with its
   `SpatialResult`; for many positions of the same bodies `running_surfaces`, `SpatialWheelset` and `solve_position`.
 """
 
