@@ -464,13 +464,26 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
 # --- Paths of inputs, and settings by their endings.
 
 
-def paths_of(record: type[Record], above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """Yield the paths of all inputs of a record and of the records in it, those of lists and names left out."""
+@cache
+def paths_of(record: type[Record]) -> tuple[tuple[str, ...], ...]:
+    """Paths of all inputs of a record and of the records in it, those of lists and names left out."""
+    paths = list[tuple[str, ...]]()
     for key, field in record.model_fields.items():
-        yield (*above, key)
-        if not any(get_origin(kind) in (list, dict) for kind in alternatives(field.annotation)):
-            for kind in records_in(field.annotation):
-                yield from paths_of(kind, (*above, key))
+        several = any(get_origin(kind) in (list, dict) for kind in alternatives(field.annotation))
+        kinds = [] if several else records_in(field.annotation)
+        paths += [(key,), *((key, *path) for kind in kinds for path in paths_of(kind))]
+    return tuple(dict.fromkeys(paths))
+
+
+@cache
+def _paths_by_name(record: type[Record]) -> dict[str, list[tuple[str, ...]]]:
+    """Paths by their last names, also as these are in US units, those of fewer tables first."""
+    by_name: dict[str, list[tuple[str, ...]]] = {}
+    for path in sorted(paths_of(record), key=len):
+        unit = us_key(path[-1])
+        for last in (path[-1], *([unit.name] if unit else [])):
+            by_name.setdefault(last, []).append((*path[:-1], last))
+    return by_name
 
 
 def path_by_ending(record: type[Record], name: str) -> list[str]:
@@ -486,27 +499,16 @@ def path_by_ending(record: type[Record], name: str) -> list[str]:
     parts = name.split(".")
     if record.input_named(parts[0])[0] in record.model_fields:
         return parts
-    by_length: dict[int, dict[tuple[str, ...], None]] = {}
-    paths = dict.fromkeys(paths_of(record))
-    for path in paths:
-        end = path[-len(parts) :]
-        us = us_key(end[-1]) if end else None
-        if [*end] == parts or (us is not None and [*end[:-1], us.name] == parts):
-            by_length.setdefault(len(path), {})[(*path[:-1], parts[-1])] = None
-    fewest = [*by_length[min(by_length)]] if by_length else []
+    by_name = _paths_by_name(record)
+    ending = [path for path in by_name.get(parts[-1], ()) if [*path[-len(parts) :]] == parts]
+    fewest = [path for path in ending if len(path) == len(ending[0])]
     if len(fewest) == 1:
         return [*fewest[0]]
     if fewest:
         choices = ", ".join(".".join(path) for path in fewest)
         raise InputError(f"{name}, the end of several inputs", choices, "write more of the path")
-    by_name: dict[str, list[str]] = {}
-    for path in paths:
-        unit = us_key(path[-1])
-        for last in (path[-1], *([unit.name] if unit else [])):
-            by_name.setdefault(last, []).append(".".join((*path[:-1], last)))
-    by_depth = {last: sorted(several, key=lambda path: path.count(".")) for last, several in by_name.items()}
-    known = [path for last in similar(parts[-1], by_name) for path in by_depth[last]][:MAX_SIMILAR]
-    everything = f"`flangeway cases {record.called()}` lists all {len(paths)}"
+    known = [".".join(path) for last in similar(parts[-1], by_name) for path in by_name[last]][:MAX_SIMILAR]
+    everything = f"`flangeway cases {record.called()}` lists all {len(paths_of(record))}"
     raise InputError(
         f"there is no input called {short(name)}",
         f"the inputs of {record.called()}: {', '.join([*known, everything])}",
@@ -632,6 +634,9 @@ def _input_error(
             continue
         if error["type"] == "union_tag_invalid":
             key, given = (*key, TAG), given[TAG]
+        if len(faults) >= MAX_REPORTED:  # of the others only the number is given
+            faults[key] = "", "", ""
+            continue
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
         if error["type"] == "value_error":  # of what excludes each other, or of a check of the record
@@ -687,11 +692,7 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
         advice = f"leave {last} out, or give {inside}.{TAG} = {having[0]}"
         return f"{place}{key_text(key)}: only {' and '.join(having)} have one", f"{last} of {', '.join(having)}", advice
     text = f"{place}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
-    elsewhere = [
-        ".".join(path)
-        for path in paths_of(record)
-        if last == path[-1] or ((unit := us_key(path[-1])) is not None and unit.name == last)
-    ]
+    elsewhere = [".".join(path) for path in _paths_by_name(record).get(last, ())]
     known = [*table.model_fields]
     us_names = [unit.name for name in known if (unit := us_key(name))]
     names = similar(last, [*known, *us_names])

@@ -128,6 +128,7 @@ def test_a_body_on_springs_approaches_what_it_is_pressed_against() -> None:
     assert not soft.forces.any()
 
 
+@pytest.mark.ci
 def test_displacements_do_not_move_a_body_through_another() -> None:
     """What is held of a block moves below the plate: not converged. Beside the plate it passes."""
     lower = base()
