@@ -163,11 +163,13 @@ def test_collection_opens_all_surfaces_and_sections(folder):
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_volumes_below_the_patches_hold_the_maximum_at_its_position(rolling, folder, side):
     """The file's maximum von Mises stress is the summary's, at its point; the surface has the pressure."""
-    patches = [each for each in rolling.patches if each.patch.side == side]
+    patches = [each for each in rolling.patches if each.side == side]
     for role in ("rail", "wheel"):
         found = meshio.read(folder / f"stresses-{role}-{side}.vtu")
         assert found.cells[0].type == "hexahedron"
-        highest, _, point = max((each.maximum(role, "max_von_mises") for each in patches), key=lambda each: each[0])
+        patch = max(patches, key=lambda each: each.stress_fields[role].max_von_mises.value)
+        extreme = patch.stress_fields[role].max_von_mises
+        highest, point = extreme.value, patch.points_below(role, *(np.array([x]) for x in extreme.position))[0]
         mises = found.point_data["von_mises_MPa"]
         assert float(mises.max()) == pytest.approx(highest, rel=1e-6)  # single precision
         np.testing.assert_allclose(found.points[mises.argmax()], point, atol=1e-9)
