@@ -190,8 +190,9 @@ class Record(_Base):
 
     @property
     def written(self) -> dict[str, Any]:
-        """Inputs that are not the defaults of their fields by omission, as they are."""
-        return {key: getattr(self, key) for key in type(self).model_fields if key in self.model_fields_set}
+        """Inputs that were given, as they are, and the kind of one of several."""
+        given = {*self.model_fields_set, TAG}
+        return {key: getattr(self, key) for key in type(self).model_fields if key in given}
 
     @property
     def changed(self) -> dict[str, Any]:
@@ -209,7 +210,7 @@ class Record(_Base):
         A change is a value, or a mapping of changes of the record that is there.
         """
         inner = {
-            key: getattr(self, key).replaced(**value).written
+            key: getattr(self, key).replaced(**value)
             for key, value in changes.items()
             if isinstance(value, Mapping) and isinstance(getattr(self, key), Record)
         }

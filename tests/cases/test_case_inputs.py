@@ -13,6 +13,8 @@ from flangeway.errors import InputError
 from flangeway.exact.shakedown import ABOVE_SHAKEDOWN, shakedown_limits, shakedown_state
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.wheelset_loads import Curve, Load, superelevation_angle
+from flangeway.railway.track.wheelset_problem import Plane
+from flangeway.records import with_settings
 
 
 def test_the_plane_case_files_have_the_published_measures():
@@ -142,3 +144,13 @@ def test_shakedown_states_change_at_the_limits(traction):
     assert shakedown_state(1.001 * max(plain, most), traction) == ABOVE_SHAKEDOWN
     if plain < 0.99 * most:
         assert shakedown_state(1.001 * plain, traction) == shakedown_state(0.999 * most, traction) == "hardening"
+
+
+def test_a_change_inside_of_a_kind_keeps_the_kind():
+    """A slice stays a slice where one of its own inputs, or its size, is changed in Python or by a setting."""
+    case = Wheelset(contact=Plane(thickness_mm=12.0))
+    changed = case.replaced(contact={"growth": 0.2}, mesh={"size_scale": 2.0})
+    assert (changed.contact, changed.mesh.size_scale) == (Plane(thickness_mm=12.0, growth=0.2), 2.0)
+    finer = Wheelset.from_values(with_settings(Wheelset, case.written, case.halved_sizes()))
+    assert finer.contact == case.contact
+    assert finer.mesh.size_scale == 0.5
