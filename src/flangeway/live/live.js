@@ -236,12 +236,15 @@ function stale() {
   for (const id of ["facts", "patches", "tables"]) $(id).classList.add("stale");
 }
 
+let positionAnswer = Promise.resolve(); // the position that is being computed
+
 async function loadPosition() {
   if (!state.rigid) return;
   if (lasting) return status("busy", "waiting until the report or the curves are done");
   const number = ++state.number;
   try {
-    const elastic = await ask("position", inputsNow());
+    positionAnswer = ask("position", inputsNow());
+    const elastic = await positionAnswer;
     if (number !== state.number) return;
     state.elastic = elastic;
     if (state.free) state.lateral = elastic.lateral_mm;
@@ -537,6 +540,7 @@ async function sweep(goesOn) {
 
 async function report(goesOn) {
   goesOn("making the report …");
+  await positionAnswer.catch(() => null); // requests at once may arrive in any order, and the later one stops the earlier one
   try {
     download("report.html", (await ask("report", inputsNow())).html, "text/html");
     goesOn("");
