@@ -5,6 +5,7 @@ import re
 import sys
 import traceback
 from collections import Counter
+from collections.abc import Callable
 
 import pytest
 
@@ -79,6 +80,17 @@ class Reached(BaseException):
     """The solution was called."""
 
 
+def run_watched(monkeypatch, words: list[str], watch: Callable[..., None]) -> None:
+    """Run the program with these words; `watch` sees each call and return, and raises `Reached` to end the run."""
+    monkeypatch.setattr(sys, "argv", ["flangeway", *words])
+    sys.setprofile(watch)
+    try:
+        with pytest.raises((Reached, SystemExit)):
+            cli.main()
+    finally:
+        sys.setprofile(None)
+
+
 def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path) -> None:
     """From the command `run` to `solve_contact` there are at most 9 functions in 6 files, which the guide lists."""
     found = []
@@ -91,13 +103,7 @@ def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path)
             raise Reached
 
     words = ["run", "wheelset-tangent", "--order", "1", "--size-scale", "8", "--out", str(tmp_path)]
-    monkeypatch.setattr(sys, "argv", ["flangeway", *words])
-    sys.setprofile(watch)
-    try:
-        with pytest.raises((Reached, SystemExit)):
-            cli.main()
-    finally:
-        sys.setprofile(None)
+    run_watched(monkeypatch, words, watch)
     found = found[[name for _, name in found].index("command") :]  # before it the arguments are read
     assert len(found) <= MAX_FUNCTIONS
     assert len({file for file, _ in found}) <= MAX_FILES_OF_A_RUN
@@ -132,13 +138,7 @@ def test_the_main_job_passes_one_problem_from_the_command_to_the_residual(monkey
             returns[frame.f_code.co_qualname] += 1
 
     words = ["run", "wheelset", "--order", "1", "--size-scale", "8", "--set", "patch_cells=10", "--out", str(tmp_path)]
-    monkeypatch.setattr(sys, "argv", ["flangeway", *words])
-    sys.setprofile(watch)
-    try:
-        with pytest.raises((Reached, SystemExit)):
-            cli.main()
-    finally:
-        sys.setprofile(None)
+    run_watched(monkeypatch, words, watch)
     functions = functions[functions.index("command") :]
     assert functions[-1] == "linearise"
     assert len(functions) <= MAX_FUNCTIONS

@@ -7,6 +7,7 @@ import pytest
 
 from flangeway import campaign
 from flangeway.campaign import Campaign
+from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail
 
 
@@ -126,6 +127,14 @@ def test_a_file_counts_by_what_is_in_it(tmp_path):
     assert identities[0] == identities[1]
     (tmp_path / "a.txt").write_text("\n".join(f"{x:.4f} {y - 0.01 * (abs(x) < 5):.4f}" for x, y in head))
     assert read(tmp_path, text.format("a.txt")).identity != identities[0]
+
+
+def test_each_row_of_the_same_bodies_is_checked_before_anything_is_computed(tmp_path):
+    """Friction of a later row that is below the kinetic coefficient is refused with its row, when the file is read."""
+    text = 'case = "wheelset"\n[inputs]\nrolling.speed_km_h = 80.0\nrolling.falling.kinetic = 0.2\n[vary]\n'
+    read(tmp_path, text + "rolling.friction = [0.3, 0.25]\n")
+    with pytest.raises(InputError, match=r"row 2 \(rolling\.friction = 0\.1\): rolling\.falling\.kinetic: "):
+        read(tmp_path, text + "rolling.friction = [0.3, 0.1]\n")
 
 
 def test_campaigns_know_no_kind_of_case():

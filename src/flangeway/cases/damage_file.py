@@ -1,7 +1,7 @@
 """A file of what a collective does to profiles: ``flangeway damage FILE``."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal
 
@@ -135,7 +135,8 @@ class DamageFile(TomlFile):
             data = _merged(self.data, {key: value for key, value in changes.items() if key != "inputs"})
             data.pop("strategies")
             file = replace(self, data=data, strategy=other, changed_inputs=changes.get("inputs", {}))
-            strategies[other] = replace(file.damage(), name=other, changes=[*_lines(changes)])
+            lines = [f"{path} = {value}" for path, value in flattened(changes).items() if value != {}]
+            strategies[other] = replace(file.damage(), name=other, changes=lines)
         return strategies
 
     def place(self, key: Key) -> str:
@@ -234,12 +235,3 @@ def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
         for key, value in changes.items()
     }
     return merged(tables, inner)
-
-
-def _lines(tables: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """Yield the values in tables as lines of TOML, with the names of the tables."""
-    for key, value in tables.items():
-        if isinstance(value, Mapping):
-            yield from _lines(value, f"{before}{key}.")
-        else:
-            yield f"{before}{key} = {value}"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
+from flangeway.records import leaves
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.output_folder import versions
@@ -78,13 +79,10 @@ NO_RESULTS = ("timings_s", "peak_memory_MB", "case", "versions", "status")
 def summary_numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
     numbers = {}
-
-    def keep(key: Key, value: Any) -> None:
+    for key, value in leaves({name: part for name, part in summary.items() if name not in NO_RESULTS}):
         path = "_".join(str(name + 1) if isinstance(name, int) else str(name) for name in key)
         if isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
             numbers[path] = value
-
-    mapped({name: part for name, part in summary.items() if name not in NO_RESULTS}, keep)
     return numbers
 
 

@@ -196,13 +196,14 @@ class Wheelset(WheelsetProblem, RunnableCase):
         _ = self.wheels
         for side in SIDES:
             self.track.gauge_point(side)
+        self.check_position()
+
+    def check_position(self) -> None:
+        """See `RunnableCase.check_position`: friction falls from a static value above the kinetic one."""
         if self.rolling is not None and self.friction is not None:
             with located("rolling.falling.kinetic: "):
                 for side in SIDES:
                     self.rolling.law(self.friction_of(side))
-
-    def check_position(self) -> None:
-        """See `RunnableCase.check_position`: all of it was checked when the record was made."""
 
     def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""

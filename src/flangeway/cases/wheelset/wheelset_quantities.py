@@ -164,6 +164,15 @@ RESIDUAL: Quantities[RelativeResiduals] = (
 
 # Patches
 
+
+def _forces_on_wheel(of: Callable[[Any], Floats]) -> Quantities[Any]:
+    """Lateral and vertical force that the rail exerts on the wheel, from the function of its components, N."""
+    return (
+        Quantity("lateral_force", "lateral force on the wheel", lambda it: of(it)[0], "kN", "z.3f", factor=1e-3),
+        Quantity("vertical_force", "vertical force on the wheel", lambda it: of(it)[1], "kN", "z.3f", factor=1e-3),
+    )
+
+
 SIDE: Quantity[AnyPatch] = Quantity("side", "", lambda patch: patch.side)
 REGION: Quantity[AnyPatch] = Quantity("region", "", lambda patch: patch.region)
 NORMAL: Quantity[AnyPatch] = Quantity(
@@ -171,22 +180,7 @@ NORMAL: Quantity[AnyPatch] = Quantity(
 )
 FORCES: Quantities[AnyPatch] = (
     NORMAL,
-    Quantity(
-        "lateral_force",
-        "lateral force on the wheel",
-        lambda p: p.force_on_wheel_N[0],
-        "kN",
-        "z.3f",
-        factor=1e-3,
-    ),
-    Quantity(
-        "vertical_force",
-        "vertical force on the wheel",
-        lambda p: p.force_on_wheel_N[1],
-        "kN",
-        "z.3f",
-        factor=1e-3,
-    ),
+    *_forces_on_wheel(lambda patch: patch.force_on_wheel_N),
 )
 CONTACT_ANGLE: Quantity[AnyPatch] = Quantity(
     "contact_angle", "contact angle", lambda patch: math.degrees(patch.contact_angle_rad), "deg", ".2f"
@@ -373,22 +367,7 @@ RATIO: Quantity[WheelResult] = Quantity(
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
     Quantity("normal_force", "normal force", lambda w: w.total(lambda p: p.normal_force_N), "kN", ".3f", factor=1e-3),
-    Quantity(
-        "lateral_force",
-        "lateral force on the wheel",
-        lambda w: w.result.force_on_wheel_N(w.side)[0],
-        "kN",
-        "z.3f",
-        factor=1e-3,
-    ),
-    Quantity(
-        "vertical_force",
-        "vertical force on the wheel",
-        lambda w: w.result.force_on_wheel_N(w.side)[1],
-        "kN",
-        "z.3f",
-        factor=1e-3,
-    ),
+    *_forces_on_wheel(lambda wheel: wheel.result.force_on_wheel_N(wheel.side)),
     RATIO,
     GAUGE_DEPTH,
 )
