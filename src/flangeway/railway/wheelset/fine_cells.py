@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,6 +58,11 @@ class _Window:
     share: float
     rows: Ints
     peaks: Floats
+
+    @property
+    def is_main(self) -> bool:
+        """Whether its cells are counted."""
+        return self.share > MIN_MAIN_FRACTION
 
     def sizes(self, cells: Floats, size: float, n_across: int) -> Floats:
         """Widths that cells (n, 2) should have where those of the patch have a size: smaller at narrow peaks."""
@@ -144,69 +150,124 @@ def finer(
     - `near`: gap in mm on coarse cells up to which it has some too, after a way across the track in mm.
     """
     old, grid = state.grid, state.grid.grid
-    loaded = state.forces > 0.0
-    if not loaded.any():
+    if not (state.forces > 0.0).any():
         return old
     windows = _windows(state, interiors)
     windows += [] if coarse is None else _further(coarse, near, windows)
     windows.sort(key=lambda window: window.ends)
-    middles = np.array([np.mean(window.ends) for window in windows])
-    # not what only fills the way between patches
-    fine = grid.widths[:, None] <= MAX_SIZE_RATIO * MAX_CELL_RATIO * grid.strip
-    all_within = ((grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles) & fine).any(axis=0).all()
-    main = [window for window in windows if window.share > MIN_MAIN_FRACTION]
-    longest = max(window.along for window in main)
-    strip = max(min(window.along for window in main) / n_across, longest / (n_across * MAX_STRIPS_RATIO))
-    least = [strip / MAX_CELL_RATIO if window.share else MIN_UNLOADED_SIZE * strip for window in windows]
-    sizes = [
-        min(max(window.across / n_across, low), MAX_CELL_RATIO * strip)
-        for window, low in zip(windows, least, strict=True)
-    ]
-    at_edge = old.cuts(state.forces)
-    enough = grid.strip <= MAX_SIZE_RATIO * strip and all(
-        (grid.widths[window.rows] <= MAX_SIZE_RATIO * window.sizes(grid.cells[window.rows], size, n_across)).all()
-        for window, size in zip(windows, sizes, strict=True)
-        if window.share > MIN_MAIN_FRACTION
-    )
-    if enough and all_within and not at_edge:
+    sizes, at_edge = _Sizes.required(windows, n_across), old.cuts(state.forces)
+    if not at_edge and sizes.are_met_by(grid, windows) and _all_within(grid, windows):
         return old
     margin = BROAD_MARGIN if at_edge else MARGIN
-    spans: list[list[float]] = []
-    reached = -np.inf
-    for window, size in zip(windows, sizes, strict=True):
-        (first, last), before = window.ends, spans[-1] if spans else None
-        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max(initial=0.0)))
-        low, high = first - more, last + more
-        if before is not None and first < reached:
-            before[1:] = max(before[1], high), min(before[2], size)
-        else:
-            if before is not None and low < before[1]:  # each patch has its own cells, up to the middle between them
-                low = before[1] = (first + reached) / 2.0
-            spans.append([low, high, size])
-        reached = max(last, reached)
-    first, last = min(window.planes[0] for window in windows), max(window.planes[1] for window in windows)
-    more = max(margin * (last - first), 0.6 * grid.strip)
-    # as many cells as a factorisation takes
-    strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / strip
-    most = min(max(n_across / PATCH_CELLS, 1.0) ** 2, MORE_CELLS_FACTOR) * MAX_ON_A_SIDE
-    many = np.sqrt(max(sum((high - low) / size for low, high, size in spans) * strips / most, 1.0))
-    strip = _rounded(many * strip)
+    spans = _spans(grid, windows, sizes, margin)
+    factor = _coarsening(windows, sizes, spans)
+    strip = _rounded(factor * sizes.strip)
     limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
-    parts, end = [], limits[0]
-    for low, high, size in spans:
-        ends = _multiples(_rounded(many * size), low, high)
-        ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
-        if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
-            ends = np.append(end, ends[ends > end + 0.5 * size])
-        if len(ends) < 2:  # the other patch's cells hold all of it
-            continue
-        end = ends[-1]
-        wanted = np.min([window.sizes(pairs_of(ends), many * size, n_across) for window in windows], axis=0)
-        parts.append(_divided(ends, wanted))
-    planes = int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip))
+    parts = _divided_spans(windows, spans, n_across, factor, limits)
+    planes = _planes(grid, windows, strip, margin)
     return GriddedSide(
         old.surfaces, PatchGrid.on_planes(_joined(parts, CELL_TOLERANCE * strip), strip, *planes), state.pose
     )
+
+
+class _Sizes(NamedTuple):
+    """Sizes of cells that windows require: of the strips, and across in each window without its peaks."""
+
+    n_across: int
+    strip: float
+    widths: Sequence[float]
+
+    @classmethod
+    def required(cls, windows: Sequence[_Window], n_across: int) -> "_Sizes":
+        """Sizes for a number of cells across each patch, and along it."""
+        lengths = [window.along for window in windows if window.is_main]
+        strip = max(min(lengths) / n_across, max(lengths) / (n_across * MAX_STRIPS_RATIO))
+        least = [strip / MAX_CELL_RATIO if window.share else MIN_UNLOADED_SIZE * strip for window in windows]
+        widths = [
+            min(max(window.across / n_across, low), MAX_CELL_RATIO * strip)
+            for window, low in zip(windows, least, strict=True)
+        ]
+        return cls(n_across, strip, widths)
+
+    def are_met_by(self, grid: PatchGrid, windows: Sequence[_Window]) -> bool:
+        """Whether the cells of a grid are not larger in the main patches."""
+        return grid.strip <= MAX_SIZE_RATIO * self.strip and all(
+            (
+                grid.widths[window.rows] <= MAX_SIZE_RATIO * window.sizes(grid.cells[window.rows], width, self.n_across)
+            ).all()
+            for window, width in zip(windows, self.widths, strict=True)
+            if window.is_main
+        )
+
+
+class _Span(NamedTuple):
+    """Stretch of the rail's surface with cells of one width, but for peaks."""
+
+    low: float
+    high: float
+    width: float
+
+
+def _all_within(grid: PatchGrid, windows: Sequence[_Window]) -> bool:
+    """Whether the middle of each window is in cells of a grid that do not only fill the stretch between patches."""
+    middles = np.array([np.mean(window.ends) for window in windows])
+    fine = grid.widths[:, None] <= MAX_SIZE_RATIO * MAX_CELL_RATIO * grid.strip
+    within = (grid.cells[:, :1] <= middles) & (grid.cells[:, 1:] >= middles) & fine
+    return bool(within.any(axis=0).all())
+
+
+def _spans(grid: PatchGrid, windows: Sequence[_Window], sizes: _Sizes, margin: float) -> list[_Span]:
+    """Windows with a margin on each side, by their ends; those that overlap share one."""
+    spans: list[_Span] = []
+    reached = -np.inf
+    for window, width in zip(windows, sizes.widths, strict=True):
+        first, last = window.ends
+        more = max(margin * (last - first), 0.6 * float(grid.widths[window.rows].max(initial=0.0)))
+        span = _Span(first - more, last + more, width)
+        if first < reached:
+            previous = spans.pop()
+            span = _Span(previous.low, max(previous.high, span.high), min(previous.width, width))
+        elif spans and span.low < spans[-1].high:  # each patch has its own cells, up to the middle between them
+            middle = (first + reached) / 2.0
+            spans[-1], span = spans[-1]._replace(high=middle), span._replace(low=middle)
+        spans.append(span)
+        reached = max(last, reached)
+    return spans
+
+
+def _coarsening(windows: Sequence[_Window], sizes: _Sizes, spans: Sequence[_Span]) -> float:
+    """Factor on all sizes by which there are no more cells than a factorisation takes, at least 1."""
+    strips = sum(window.planes[1] - window.planes[0] for window in windows) / len(windows) / sizes.strip
+    most = min(max(sizes.n_across / PATCH_CELLS, 1.0) ** 2, MORE_CELLS_FACTOR) * MAX_ON_A_SIDE
+    return float(np.sqrt(max(sum((span.high - span.low) / span.width for span in spans) * strips / most, 1.0)))
+
+
+def _divided_spans(
+    windows: Sequence[_Window], spans: Sequence[_Span], n_across: int, factor: float, limits: Floats
+) -> list[Floats]:
+    """Bounds of the cells of each span between the ends of the running surface, divided at peaks.
+
+    - `factor`: see `_coarsening`.
+    """
+    parts, end = [], limits[0]
+    for low, high, width in spans:
+        ends = _multiples(_rounded(factor * width), low, high)
+        ends = ends[(ends >= limits[0]) & (ends <= limits[1])]
+        if ends[0] < end:  # beside another patch's cells: one of another width fills what is between
+            ends = np.append(end, ends[ends > end + 0.5 * width])
+        if len(ends) < 2:  # the other patch's cells hold all of it
+            continue
+        end = ends[-1]
+        widths = np.min([window.sizes(pairs_of(ends), factor * width, n_across) for window in windows], axis=0)
+        parts.append(_divided(ends, widths))
+    return parts
+
+
+def _planes(grid: PatchGrid, windows: Sequence[_Window], strip: float, margin: float) -> tuple[int, int]:
+    """First and last multiple of the width of strips that all windows have, with a margin."""
+    first, last = min(window.planes[0] for window in windows), max(window.planes[1] for window in windows)
+    more = max(margin * (last - first), 0.6 * grid.strip)
+    return int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip))
 
 
 def _joined(parts: Sequence[Floats], same: float) -> Floats:
@@ -224,7 +285,7 @@ def divided(state: SideState, n_across: int) -> GriddedSide:
     sizes = grid.widths
     for window in _windows(state, None):
         rows, whole = window.rows, float(grid.widths[window.rows].max())
-        if window.share > MIN_MAIN_FRACTION:
+        if window.is_main:
             sizes[rows] = window.sizes(grid.cells[rows], whole, n_across)
     bounds = _divided(grid.bounds, sizes)
     return old if len(bounds) == len(grid.bounds) else GriddedSide(old.surfaces, replace(grid, bounds=bounds), old.pose)
