@@ -1,5 +1,6 @@
 """Bodies given by a stiffness matrix: the same contact as that of our own mesh, and what is refused."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from flangeway.contact import Contact, Multiplier, NodeToSegment, Penalty, Segme
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Placement, circle, rectangle
-from flangeway.materials import Elastic
+from flangeway.materials import Elastic, Orthotropic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.problems import Body, Part, StiffnessBody
 
@@ -41,13 +42,13 @@ def foreign(body: Body, *, seed: int = 0, only_free: bool = False, inner: bool =
     rows = place[: 2 * n_nodes].reshape(-1, 2)
     free = np.ones(n, dtype=bool)
     free[: 2 * n_nodes] = body.free[: 2 * n_nodes]
-    held: Any = place[np.flatnonzero(~free)]
+    held: Any = np.isin(rows, place[np.flatnonzero(~free)])
     matrix = matrix[order][:, order]
     if only_free:
-        kept = np.setdiff1d(np.arange(n), held)
+        kept = np.setdiff1d(np.arange(n), rows[held])
         number = np.full(n, -1)
         number[kept] = np.arange(len(kept))
-        matrix, rows, held = matrix[kept][:, kept], number[rows], ()
+        matrix, rows, held = matrix[kept][:, kept], number[rows], np.zeros_like(held)
     mine = np.argsort(node_order)
     line = mine[around(body.mesh, body)]
     return Body.from_stiffness(
@@ -57,7 +58,7 @@ def foreign(body: Body, *, seed: int = 0, only_free: bool = False, inner: bool =
         {"boundary": line.tolist()},
         order=body.space.order,
         rows=rows[node_order],
-        held=held,
+        held=held[node_order],
         thickness=body.thickness,
     )
 
@@ -122,7 +123,7 @@ def good() -> dict[str, Any]:
     """A body that is right."""
     body = Body("block", LOWER, Lagrange(1), STEEL, "bottom")
     matrix = body.elasticity.stiffness().full()
-    held = np.flatnonzero(~body.free)
+    held = body.supported
     top = LOWER.edge_sets["top"]
     return {
         "stiffness": matrix,
@@ -149,7 +150,7 @@ def test_edges_in_any_order_and_direction_are_the_chain_of_their_nodes(order: in
             "stiffness": body.elasticity.stiffness().full(),
             "coordinates": body.nodes,
             "surfaces": {"s": edges},
-            "held": np.flatnonzero(~body.free),
+            "held": body.supported,
             "order": order,
         }
         chain = Body.from_stiffness("block", **surface)
@@ -176,12 +177,13 @@ REFUSED = {
     "complex": (lambda: {"stiffness": good()["stiffness"] * 1j}, "real numbers"),
     "too few nodes": (lambda: {"coordinates": LOWER.points[:-1]}, "64 rows with coordinates of 31 nodes"),
     "rows beyond": (lambda: {"rows": np.arange(1, 65).reshape(-1, 2)}, "numbers of rows below 64"),
-    "all held": (lambda: {"held": np.arange(64)}, "all unknowns are held"),
+    "all held": (lambda: {"held": np.ones((32, 2), dtype=bool)}, "all unknowns are held"),
     "indefinite on the diagonal": (lambda: {"stiffness": -good()["stiffness"]}, "positive definite"),
     "surface not in K": (lambda: {"surfaces": {"top": [30, 31, 32]}}, "surface 'top' has node 32"),
     "edges with a gap": (lambda: {"surfaces": {"top": [[31, 30], [29, 28]]}}, "have a gap at node 29"),
     "edges that branch": (lambda: {"surfaces": {"top": [[31, 30], [30, 29], [30, 22]]}}, "branch at node 30"),
-    "mask": (lambda: {"held": np.ones(64, dtype=bool)}, "np.flatnonzero"),
+    "flat mask": (lambda: {"held": np.ones(64, dtype=bool)}, r"shape \(32, 2\)"),
+    "pairs": (lambda: {"held": np.ones((32, 2), dtype=int)}, "True for each component"),
     "middle nodes missing": (lambda: {"order": 2, "surfaces": {"top": [31, 30, 29, 28]}}, "odd number"),
     "crossing": (lambda: {"surfaces": {"top": [31, 22, 23, 30]}}, r"'top' crosses itself with the edges \(31, 22\)"),
     "clockwise": (lambda: {"surfaces": {"all": around(LOWER, Body("b", LOWER, Lagrange(1), STEEL, "top"))[::-1]}},
@@ -200,7 +202,7 @@ def test_what_is_wrong_is_refused_with_its_place(what: str) -> None:
 def hourglass(removed: float = 1.0) -> Any:
     """A stiffness that has a motion without energy which is not rigid, or above 1 with a negative energy."""
     matrix = good()["stiffness"].toarray()
-    free = np.setdiff1d(np.arange(64), good()["held"])
+    free = np.flatnonzero(~good()["held"])
     mode = np.zeros(64)
     mode[free] = np.random.default_rng(0).standard_normal(len(free))
     mode[free[-1]] = 9.0
@@ -211,9 +213,9 @@ def hourglass(removed: float = 1.0) -> Any:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda: {"held": ()}, "can slide in x, slide in y and turn"),
-        (lambda: {"held": good()["held"][::2]}, r"can slide in y and turn about \(0, -1\): its stiffness"),
-        (lambda: {"held": good()["held"][:2]}, r"can turn about \(-1.5, -1\)"),
+        (lambda: {"held": None}, "can slide in x, slide in y and turn"),
+        (lambda: {"held": good()["held"] & [True, False]}, r"can slide in y and turn about \(0, -1\): its stiffness"),
+        (lambda: {"held": good()["held"] & (np.arange(32) == 0)[:, None]}, r"can turn about \(-1.5, -1\)"),
         (lambda: {"stiffness": hourglass()}, "zero energy .* largest at node 31 at .* in y"),
         (lambda: {"stiffness": hourglass(1.5)}, "negative energy .* largest at node 31 at .* in y"),
     ],
@@ -253,6 +255,7 @@ def test_springs_and_held_rows_in_a_stiffness_are_no_mistake() -> None:
     matrix, points, line = _rigid_case()
     top = np.flatnonzero(points[:, 1] == points[:, 1].max())
     held = (2 * top[:, None] + np.arange(2)).ravel()
+    mask = np.isin(np.arange(len(points)), top)[:, None].repeat(2, axis=1)
     springs = np.zeros(matrix.shape[0])
     springs[held] = 1e4
     Body.from_stiffness("block", matrix + sp.diags_array(springs), points, {"boundary": line})
@@ -260,52 +263,121 @@ def test_springs_and_held_rows_in_a_stiffness_are_no_mistake() -> None:
     rows = np.full(matrix.shape[0], -1)
     rows[kept] = np.arange(len(kept))
     Body.from_stiffness("block", matrix[kept][:, kept], points, {"boundary": line}, rows=rows.reshape(-1, 2))
-    mask = np.ones(matrix.shape[0])
-    mask[held] = 0.0
-    replaced = sp.diags_array(mask) @ matrix @ sp.diags_array(mask) + sp.diags_array(1.0 - mask)
-    Body.from_stiffness("block", replaced, points, {"boundary": line}, held=held)
+    free = 1.0 - mask.ravel()
+    replaced = sp.diags_array(free) @ matrix @ sp.diags_array(free) + sp.diags_array(1.0 - free)
+    Body.from_stiffness("block", replaced, points, {"boundary": line}, held=mask)
+
+
+def _ring(n_edges: int, layers: int, size: float) -> PolyMesh:
+    """Squares around a hole of radius 1."""
+    turns, radii = np.meshgrid(np.arange(n_edges) * 2.0 * np.pi / n_edges, 1.0 + size * np.arange(layers + 1))
+    points = np.column_stack(((radii * np.cos(turns)).ravel(), (radii * np.sin(turns)).ravel()))
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(n_edges), np.arange(layers)))
+    following = (i + 1) % n_edges
+    corners = (j * n_edges + i, (j + 1) * n_edges + i, (j + 1) * n_edges + following, j * n_edges + following)
+    return PolyMesh.from_cells(points, np.column_stack(corners))
 
 
 def _bodies() -> dict[str, Body]:
-    """Bodies of linear, quadratic and virtual elements, straight, round and thin, held along the bottom."""
+    """Bodies of linear, quadratic and virtual elements, straight, round, hollow and thin."""
     disc = triangulate(circle(5.0), size=1.5)
-    meshes = {
+    meshes: dict[str, tuple[PolyMesh, Any]] = {
         "linear": (rectangle_grid(3.0, 1.0, 9, 3), Lagrange(1)),
         "quadratic": (rectangle_grid(3.0, 1.0, 8, 3), Lagrange(2)),
         "polygons": (dual(triangulate(rectangle(3.0, 2.0), size=0.4)), Virtual(1)),
         "round": (disc, Lagrange(1)),
         "round and quadratic": (disc, Lagrange(2)),
         "flat cells": (rectangle_grid(3.0, 0.1, 8, 10), Lagrange(2)),
+        "hole": (_ring(7, 2, 0.5), Virtual(1)),
+        "thin ring": (_ring(24, 1, 0.2), Virtual(2)),
     }
     return {name: Body(name, mesh, element, STEEL) for name, (mesh, element) in meshes.items()}
 
 
+def _on_boundary(matrix: Any, lines: list[list[int]]) -> tuple[Any, Any]:
+    """K condensed to the nodes of closed lines, and these nodes."""
+    nodes = np.unique(np.concatenate(lines))
+    kept = (2 * nodes[:, None] + np.arange(2)).ravel()
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), kept)
+    full = matrix.toarray()
+    follow = np.linalg.solve(full[np.ix_(inner, inner)], full[np.ix_(inner, kept)])
+    condensed = full[np.ix_(kept, kept)] - full[np.ix_(kept, inner)] @ follow
+    return (condensed + condensed.T) / 2.0, nodes
+
+
+def _lines(body: Body) -> list[list[int]]:
+    """Nodes of each closed boundary of a body."""
+    edges = body.edge_nodes(body.mesh.boundary_edges)
+    following = {int(edge[0]): edge for edge in edges}
+    lines = []
+    while following:
+        line = [min(following)]
+        while len(line) == 1 or line[-1] != line[0]:
+            line += following.pop(line[-1])[1:].tolist()
+        lines.append(line)
+    return lines
+
+
+@pytest.mark.parametrize("condensed", [True, False])
 @pytest.mark.parametrize("name", _bodies())
-def test_edges_that_no_element_has_are_refused(name: str) -> None:
-    """Every second node, corners of quadratic elements alone and one node too few are refused; all nodes are not."""
+def test_edges_that_are_not_those_of_the_stiffness_are_refused(name: str, condensed: bool) -> None:
+    """Surfaces that skip nodes or have edges of another order have not the forces of a uniform pressure.
+
+    Nor have holes, and surfaces of a stiffness condensed to the boundary, which couples all nodes.
+    """
     body = _bodies()[name]
-    line, order = around(body.mesh, body), body.space.order
-    held = (2 * np.argsort(body.nodes[:, 1])[:3, None] + np.arange(2)).ravel()
-    for condensed in (True, False):
-        elasticity = body.elasticity
-        matrix = (elasticity.condensed_stiffness().matrix if condensed else elasticity.stiffness()).full()
-        given = {"rows": np.arange(2 * len(body.nodes)).reshape(-1, 2), "held": held}
-        Body.from_stiffness(name, matrix, body.nodes, {"s": line}, order=order, **given)
+    order, nodes, lines = body.space.order, body.nodes, _lines(body)
+    matrix = sp.csr_array(body.elasticity.condensed_stiffness().matrix.full())
+    if condensed:
+        matrix, kept = _on_boundary(matrix, lines)
+        nodes, lines = nodes[kept], [np.searchsorted(kept, line).tolist() for line in lines]
+    held = (np.arange(len(nodes)) < 2)[:, None].repeat(2, axis=1)
+    for line in lines:
+        for right in (line, line[: 4 * order + 1]):
+            Body.from_stiffness(name, matrix, nodes, {"s": right}, order=order, held=held)
         skipping = line[::2] if line[-1] == line[::2][-1] else [*line[::2], line[0]]
-        shorter = line[:2] + line[3:]
-        for wrong in (skipping, shorter):
-            with pytest.raises(InputError, match="no edge of an element"):
-                Body.from_stiffness(name, matrix, body.nodes, {"s": wrong}, order=1, **given)
+        shifted = [*line[1:], line[1]] if order == 2 else line[: (len(line) - 1) // 2 * 2 + 1]
+        wrong = [(1, skipping), (1, line[:2] + line[3:])] + ([(1, line), (2, shifted)] if order == 2 else [])
+        if order == 1 and len(line) > 10:
+            wrong.append((2, shifted))
+        for other, surface in wrong:
+            with pytest.raises(InputError, match=r"no edge of an element|forces of a uniform pressure"):
+                Body.from_stiffness(name, matrix, nodes, {"s": surface}, order=other, held=held)
+
+
+@pytest.mark.parametrize("name", ["linear", "quadratic", "hole", "thin ring"])
+def test_the_side_of_an_open_surface_is_that_of_the_pressure(name: str) -> None:
+    """Edges in any direction have the body on their left, around a hole too; turned chains are refused."""
+    body = _bodies()[name]
+    matrix, order = body.elasticity.condensed_stiffness().matrix.full(), body.space.order
+    for line in _lines(body):
+        part = line[: 3 * order + 1]
+        edges = np.array(part)[np.arange(0, 3 * order, order)[:, None] + np.arange(order + 1)]
+        chain = Body.from_stiffness(name, matrix, body.nodes, {"s": edges[:, ::-1]}, order=order)
+        np.testing.assert_array_equal(chain.edge_nodes(chain.edge_sets["s"]), edges)
+        with pytest.raises(InputError, match="on its right"):
+            Body.from_stiffness(name, matrix, body.nodes, {"s": part[::-1]}, order=order)
+
+
+def test_linings_and_wood_are_no_skipped_nodes() -> None:
+    """Forces at an interface, and normal stresses that differ by direction, are those of a right body."""
+    grid = rectangle_grid(3.0, 1.0, 9, 5)
+    lining = grid.cell_centroids[:, 1] > 0.8
+    lined = replace(grid, cell_sets={"steel": np.flatnonzero(~lining), "rubber": np.flatnonzero(lining)})
+    wood = Orthotropic((11e3, 0.9e3, 0.6e3), (0.4, 0.3, 0.4), 0.7e3, 0.5)
+    for order in (1, 2):
+        for mesh, material in ((lined, {"steel": STEEL, "rubber": Elastic(3.0, 0.45)}), (_ring(24, 2, 0.2), wood)):
+            body = Body("body", mesh, Virtual(order), material)
+            matrix = body.elasticity.condensed_stiffness().matrix.full()
+            surfaces = dict(zip("ab", _lines(body), strict=False))
+            Body.from_stiffness("body", matrix, body.nodes, surfaces, order=order)
 
 
 @pytest.mark.parametrize("first", [0, 1])
-@pytest.mark.parametrize("side", ["bottom", "right", "top"])
-def test_nodes_in_place_of_held_rows_are_refused(side: str, first: int) -> None:
-    """Numbers of a side's nodes, counted from 0 or 1, hold other nodes as rows of K: the message says which."""
+def test_numbers_in_place_of_held_components_are_refused(first: int) -> None:
+    """Numbers of nodes or of rows could be both: what is held is true or false for each component of each node."""
     matrix, points, line = _rigid_case()
-    level = {"bottom": (1, 0.0), "right": (0, 2.0), "top": (1, 1.0)}[side]
-    nodes = np.flatnonzero(points[:, level[0]] == level[1])
-    with pytest.raises(InputError, match="rows of K"):
-        Body.from_stiffness("block", matrix, points, {"boundary": line}, held=nodes + first)
-    rows = (2 * nodes[:, None] + np.arange(2)).ravel()
-    Body.from_stiffness("block", matrix, points, {"boundary": line}, held=rows)
+    nodes = np.flatnonzero(points[:, 1] == 1.0)
+    for numbers in (nodes + first, (2 * nodes[:, None] + np.arange(2)).ravel(), nodes.tolist()):
+        with pytest.raises(InputError, match="held_nodes"):
+            Body.from_stiffness("block", matrix, points, {"boundary": line}, held=numbers)

@@ -286,7 +286,7 @@ class Body(LinearBody):
         *,
         order: int = 1,
         rows: ArrayLike | None = None,
-        held: ArrayLike = (),
+        held: ArrayLike | None = None,
         thickness: float = 1.0,
         axisymmetric: bool = False,
     ) -> StiffnessBody:

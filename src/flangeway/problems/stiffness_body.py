@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from flangeway.checks import as_numbers, check_angle, check_kind, check_positive
+from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
@@ -296,8 +297,11 @@ class Part:
             )
 
 
-# --- Rigid motions in a stiffness matrix that another program has assembled: they strain nothing, so K r = 0.
+# --- A linear body of a stiffness matrix that another program has assembled.
 
+
+MAX_ASYMMETRY = 1e-9
+"""Difference of two entries across the diagonal, relative to the maximum entry, that rounding explains."""
 
 MAX_FORCE = 1e-4
 """Force of a rigid motion on a row relative to the sum of its terms' magnitudes: above what seven printed digits
@@ -309,50 +313,18 @@ MAX_WRONG = 0.5
 NEIGHBOURS = 9
 """Nodes, with the node itself, within twice whose distance a missing unknown may have been coupled to the node."""
 
+MAX_JUMP = 0.1
+"""Change of a uniform pressure, up and down from node to node: 2/3 on edges of another order, 1e-12 on those of K."""
 
-def wrong_rows(matrix: sp.csr_array, nodes: Floats, rows: Ints, *, axisymmetric: bool) -> float:
-    """Fraction of the nodes on which a rigid motion of the body makes a force; below `MAX_WRONG` that is explained.
+MIN_UP_AND_DOWN = 0.9
+"""Fraction of the nodes with such changes: all of them in an isotropic body with edges of another order."""
 
-    Forces of translations may be those of springs to the ground, or of unknowns that K is without or has decoupled:
-    they count away from such unknowns, and on most nodes. Where translations make no force, nothing explains a
-    rotation's: the fraction is 1.
+MIN_COSINE = 0.8
+"""Of the angle between normals of nodes that are compared: stretches of orthotropic bodies push more on one side."""
 
-    Parameters
-    ----------
-    matrix
-        Symmetric stiffness K, shape (n, n).
-    nodes
-        Coordinates, shape (n_nodes, 2).
-    rows
-        Row of K of each component of each node, -1 where K is without it, shape (n_nodes, 2).
-    axisymmetric
-        Whether the only rigid motion is that along y.
-
-    """
-    off_diagonal = sp.csr_array(abs(matrix) - sp.diags_array(abs(matrix.diagonal())))
-    decoupled = np.asarray(off_diagonal.sum(axis=1)).ravel() == 0.0
-    clear = _far_from(nodes, ((rows < 0) | decoupled[rows]).any(axis=1))
-    x, y = (nodes - nodes.mean(axis=0)).T
-    motions = [(0.0 * x, 0.0 * x + 1.0)]
-    if not axisymmetric:
-        motions += [(0.0 * x + 1.0, 0.0 * x), (-y, x)]
-    there = rows >= 0
-    known = np.zeros(matrix.shape[0], dtype=bool)
-    known[rows[there]] = True
-    wrong = np.zeros(rows.shape, dtype=bool)
-    for components in motions:
-        motion = np.zeros(matrix.shape[0])
-        motion[rows[there]] = np.column_stack(components)[there]
-        if not known.all():  # unknowns inside of cells follow: K_ii r_i = -K_ib r_b
-            inner = sp.csc_array(matrix[~known][:, ~known])
-            motion[~known] = spsolve(inner, -(matrix[~known] @ motion))
-        forces: Floats = np.abs(matrix @ motion)
-        terms: Floats = abs(matrix) @ np.abs(motion)
-        unequal = np.greater(forces[rows], MAX_FORCE * terms[rows]) & there
-        if len(motions) == 3 and components is motions[2] and (unequal & ~wrong).any():
-            return 1.0
-        wrong |= unequal
-    return float(np.asarray(wrong.any(axis=1))[clear].mean()) if clear.any() else 0.0
+MIN_HEIGHT, MAX_HEIGHT = -0.9, 0.3
+"""Heights over an edge, inwards, relative to its length, between which a node of the boundary may have been skipped:
+corners of a body down to 60 degrees, and holes of six edges."""
 
 
 def _far_from(nodes: Floats, missing: Bools) -> Bools:
@@ -361,23 +333,6 @@ def _far_from(nodes: Floats, missing: Bools) -> Bools:
         return ~missing
     around = cKDTree(nodes).query(nodes, k=min(NEIGHBOURS, len(nodes)))[0]
     return cKDTree(nodes[missing]).query(nodes)[0] > 2.0 * around[:, -1]
-
-
-# --- A linear body of a stiffness matrix that another program has assembled.
-
-
-MAX_ASYMMETRY = 1e-9
-"""Difference of two entries across the diagonal, relative to the maximum entry, that rounding explains."""
-
-MAX_EDGE_DISTANCE = 3.0
-"""Distance of a node from an edge, relative to its length, within which it shows the side of the body."""
-
-MAX_BULGE, MAX_DENT = 0.25, 0.02
-"""Heights of a node outside and inside of an edge, relative to its length, that make it a node of the boundary: no
-element has a node outside of its edge, and very thin ones have one that far inside."""
-
-MIN_ONE_SIDED = 0.3
-"""Length of the mean direction from a node to its neighbours on a boundary: 0.4 to 0.7 where it is straight."""
 
 
 def _directed(edges: Any, pairs: Indices, rows: Ints) -> Any:
@@ -411,7 +366,7 @@ class StiffnessBody(LinearBody):
         Row of K of the x and the y component of each node, -1 where K is without it because it is held, shape
         (n_nodes, 2). Left out: ``2 * node + component``.
     held
-        Rows of K that do not move.
+        Whether each component of each node does not move, shape (n_nodes, 2).
     thickness
         Length out of the plane over which surfaces touch.
     axisymmetric
@@ -422,12 +377,11 @@ class StiffnessBody(LinearBody):
     ------
     InputError
         If the matrix is not symmetric, has another size, a diagonal that is not positive or numbers that are not
-        finite; if a surface has unknown nodes, crosses or touches itself, has the body on its right, or leaves nodes
-        between out, so that K does not couple those of an edge; if held rows are inside of the body and would be along
-        its boundary as numbers of nodes; if K times a translation or rotation is not zero on most nodes: rows in
-        another order than the coordinates. A wrong unit of
-        length or of force cannot be seen in K, nor can a wrong permutation of a body of revolution. Motions without
-        strain are found where the matrix is factorised.
+        finite; if a surface has unknown nodes, crosses or touches itself, has the body on its right, leaves nodes
+        between out, or has edges of another order than K; if K times a translation or rotation is not zero on most
+        nodes: rows in another order than the coordinates. K times a stretch that is the same everywhere shows edges:
+        its forces are those of a uniform pressure. A wrong unit of length or of force cannot be seen in K, nor can a
+        wrong permutation of a body of revolution. Motions without strain are found where the matrix is factorised.
 
     """
 
@@ -437,7 +391,7 @@ class StiffnessBody(LinearBody):
     surfaces: Mapping[str, ArrayLike]
     order: int = 1
     rows: ArrayLike | None = None
-    held: ArrayLike = ()
+    held: ArrayLike | None = None
     thickness: float = 1.0
     axisymmetric: bool = False
 
@@ -458,7 +412,6 @@ class StiffnessBody(LinearBody):
                 "name the nodes along its boundary",
             )
         self._check_rigid_motions()
-        self._check_held()
         for surface in self.surfaces:
             self._check_surface(surface)
 
@@ -528,16 +481,18 @@ class StiffnessBody(LinearBody):
     @cached_property
     def free(self) -> Bools:
         """See `LinearBody.free`."""
-        held = np.asarray(self.held)
-        n = self._matrix.shape[0]
-        if held.size and (held.dtype.kind not in "iu" or held.min() < 0 or held.max() >= n):
-            raise InputError(
-                f"{self._owner} with held={short(self.held)}",
-                f"numbers of rows from 0 to {n - 1}",
-                "correct them; of a mask take np.flatnonzero(mask)",
-            )
-        dofs = self._places.ravel()
-        return (dofs >= 0) & ~np.isin(dofs, held)
+        free = self._places >= 0
+        if self.held is not None:
+            held = np.asarray(self.held)
+            if held.dtype != bool or held.shape != self.nodes.shape:
+                raise InputError(
+                    f"{self._owner} with held={short(self.held)}",
+                    f"True for each component of a node that does not move, shape {self.nodes.shape}",
+                    "numbers may be those of nodes or of rows: take held=np.isin(rows, held_rows), or "
+                    "held=np.isin(np.arange(n_nodes), held_nodes)[:, None].repeat(2, axis=1)",
+                )
+            free[: len(held)] &= ~held
+        return free.ravel()
 
     @cached_property
     def stiffness(self) -> SymmetricMatrix:
@@ -578,8 +533,7 @@ class StiffnessBody(LinearBody):
     @property
     def held_by(self) -> str:
         """See `LinearBody.held_by`."""
-        missing = int((self._places[: len(self.nodes)] < 0).sum())
-        return f"({np.asarray(self.held).size} rows of K, and {missing} unknowns that K is without)"
+        return f"({int(self.supported.sum())} components of nodes, with those that K is without)"
 
     @property
     def content(self) -> tuple[object, ...]:
@@ -708,9 +662,54 @@ class StiffnessBody(LinearBody):
                 "a multiplier or an unknown without stiffness is no displacement: eliminate it, or hold it",
             )
 
+    @cached_property
+    def _tested(self) -> tuple[float, Bools, Floats]:
+        """Forces of motions whose forces are known: rigid ones have none, x -> x + c x those of a uniform pressure.
+
+        A homogeneous isotropic body under the same pressure on its whole boundary has the strain of that stretch, so
+        that K x = p ∫ N n ds.
+
+        Returns
+        -------
+        wrong
+            Fraction of the nodes on which a rigid motion makes a force; below `MAX_WRONG` that is explained. Forces of
+            translations may be those of springs to the ground, or of unknowns that K is without or has decoupled: they
+            count away from such unknowns. Where translations make no force, nothing explains a rotation's: 1.
+        clear
+            Nodes whose rows are there, and on which rigid motions make no force, (n_nodes,).
+        pressures
+            Forces of a uniform pressure on the nodes, (n_nodes, 2), right where `clear`.
+
+        """
+        matrix, nodes = self._matrix, self.nodes
+        rows = self._places[: len(nodes)]
+        off_diagonal = sp.csr_array(abs(matrix) - sp.diags_array(abs(matrix.diagonal())))
+        decoupled = np.asarray(off_diagonal.sum(axis=1)).ravel() == 0.0
+        there = rows >= 0
+        clear = _far_from(nodes, (~there | decoupled[rows]).any(axis=1))
+        x, y = (nodes - nodes.mean(axis=0)).T
+        one, zero = np.ones(len(x)), np.zeros(len(x))
+        rigid = [(zero, one)] if self.axisymmetric else [(zero, one), (one, zero), (-y, x)]
+        # (n_nodes, 2, motions)
+        fields = np.transpose([*rigid, (nodes[:, 0] if self.axisymmetric else x, y)], (2, 1, 0))
+        motions = np.zeros((matrix.shape[0], fields.shape[2]))
+        motions[rows[there]] = fields[there]
+        inner = self._places[len(nodes) :]
+        inner = inner[inner >= 0]
+        if len(inner):  # unknowns inside of cells follow: K_ii r_i = -K_ib r_b
+            system = sp.csc_array(matrix[inner][:, inner])
+            motions[inner] = spsolve(system, -(matrix[inner] @ motions)).reshape(len(inner), -1)
+        forces: Floats = (matrix @ motions)[rows]
+        terms: Floats = (abs(matrix) @ np.abs(motions))[rows]
+        ratios = np.abs(forces) / np.where(terms > 0.0, terms, 1.0)
+        loaded: Any = (ratios > MAX_FORCE)[:, :, :-1] & there[:, :, None]
+        if len(rigid) == 3 and (loaded[:, :, 2] & (ratios[:, :, :2] < 0.01 * MAX_FORCE).all(axis=2)).any():
+            return 1.0, clear, forces[:, :, -1]
+        wrong = loaded.any(axis=(1, 2))
+        return float(wrong[clear].mean()) if clear.any() else 0.0, there.all(axis=1) & clear & ~wrong, forces[:, :, -1]
+
     def _check_rigid_motions(self) -> None:
-        dofs = self._places[: len(self.nodes)]
-        wrong = wrong_rows(self._matrix, self.nodes, dofs, axisymmetric=self.axisymmetric)
+        wrong = self._tested[0]
         if wrong > MAX_WRONG:
             raise InputError(
                 f"{self._owner}: a rigid motion of the body makes forces on {100.0 * wrong:.0f} % of the nodes",
@@ -749,7 +748,7 @@ class StiffnessBody(LinearBody):
                 "nodes in the order in which the body is on the left, counter-clockwise around the outside",
                 f"turn it: surfaces={{{name!r}: nodes[::-1]}}",
             )
-        self._check_between(name)
+        self._check_pressure(name)
 
     @cached_property
     def _coupled(self) -> sp.csr_array:
@@ -767,17 +766,52 @@ class StiffnessBody(LinearBody):
         if uncoupled.any():
             raise self._skipped(name, ends[int(uncoupled.argmax())], "K does not couple them")
 
-    def _check_between(self, name: str) -> None:
-        """Refuse edges with a node between: on them, or outside; K may be condensed and couple all nodes."""
+    def _areas(self, edges: Indices) -> Floats:
+        """Integrals of shape function and outward normal along edges at their nodes, (n_nodes, 2)."""
+        weights, shapes, slopes = edge_rule(self.order, 3)
+        points = self.nodes[edges]  # (e, i, 2)
+        tangents = np.einsum("qi,eic->qec", slopes, points)
+        radii = np.einsum("qi,ei->qe", shapes, points[:, :, 0]) if self.axisymmetric else np.ones(tangents.shape[:2])
+        along = np.einsum("q,qi,qe,qec->eic", weights, shapes, radii, tangents)
+        areas = np.zeros(self.nodes.shape)
+        np.add.at(areas, edges, np.stack((along[:, :, 1], -along[:, :, 0]), axis=2))
+        return areas
+
+    def _check_pressure(self, name: str) -> None:
+        """Refuse edges on which K has not the forces of a uniform pressure, and edges that leave out a loaded node."""
         edges = self._chains[name]
+        _, clear, forces = self._tested
+        areas, line = self._areas(edges), np.append(edges[:, :-1], edges[-1, -1])[1:-1]
+        line = line[areas[line].any(axis=1)]  # without an edge along the axis of revolution
+        normals = areas[line] / norms(areas[line])[:, None]
+        pressures = (forces[line] * normals).sum(axis=1) / norms(areas[line])
+        sums = np.abs(pressures[1:]) + np.abs(pressures[:-1])
+        jumps = 2.0 * np.diff(pressures) / np.where(sums > 0.0, sums, 1.0)
+        up_and_down = (jumps[1:] * jumps[:-1] < 0.0) & (np.minimum(abs(jumps[1:]), abs(jumps[:-1])) > MAX_JUMP)
+        known = clear[line]
+        known[1:] &= (normals[1:] * normals[:-1]).sum(axis=1) > MIN_COSINE
+        known = known[2:] & known[1:-1] & clear[line[:-2]]
+        if known.any() and up_and_down[known].mean() > MIN_UP_AND_DOWN:
+            raise InputError(
+                f"{self._owner}: surface {name!r} with edges of order {self.order}, on which K has not the forces of a "
+                f"uniform pressure: from node to node they go up and down by {np.abs(jumps[1:][known]).max():.0%}",
+                "edges of the elements of K: order=2 with the middle nodes of quadratic ones, order=1 for linear ones",
+                "give the order of the elements, and begin at the corner of one",
+            )
         starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
         lengths = norms(chords)
-        around = cKDTree(self.nodes).query_ball_point(starts + chords / 2.0, lengths / 2.0)
+        around = cKDTree(self.nodes).query_ball_point(starts + chords / 2.0, lengths)
         edge, node = np.repeat(np.arange(len(edges)), [*map(len, around)]), np.concatenate(around).astype(np.int64)
-        height: Any = cross_product(chords[edge], self.nodes[node] - starts[edge]) / lengths[edge] ** 2
-        dent = MAX_DENT if self.order == 1 else 0.0  # a middle node shows where the edge is
-        between: Any = (height >= -MAX_BULGE) & (height <= dent) & ~np.isin(node, edges)
+        offsets, chord = self.nodes[node] - starts[edge], chords[edge] / lengths[edge, None] ** 2
+        height, place = cross_product(chord, offsets), (chord * offsets).sum(axis=1)
+        highest = MAX_HEIGHT if self.order == 1 else 0.0  # a middle node shows where the edge is
+        between: Any = (height > MIN_HEIGHT) & (height < highest) & (place > 0.0) & (place < 1.0)
+        between &= ~np.isin(node, edges) & clear[node] & clear[edges[edge]].all(axis=1)
         between &= self._couples(edges[edge, 0], node) & self._couples(edges[edge, -1], node)
+        # a node of the boundary has the force of its own edges, outwards as those of the ends
+        outward = np.sign(pressures.sum() or 1.0) * cross_product(forces[node], chord) * lengths[edge]
+        ends = norms(forces[edges[:, [0, -1]]].reshape(-1, 2)).reshape(-1, 2).mean(axis=1)[edge]
+        between &= (outward > 0.5 * norms(forces[node])) & (outward > 0.4 * ends) & (outward < 2.5 * ends)
         if between.any():
             at = int(between.argmax())
             raise self._skipped(name, edges[edge[at], [0, -1]], f"node {node[at]} is between them")
@@ -795,46 +829,21 @@ class StiffnessBody(LinearBody):
             "add the nodes between",
         )
 
-    def _check_held(self) -> None:
-        """Refuse held rows that are inside of the body and would be a part of its boundary as numbers of nodes."""
-        held, n = np.unique(np.asarray(self.held, dtype=np.int64)), len(self.nodes)
-        inner = ~self._on_boundary
-        of_rows: Any = np.isin(self._places[:n], held).any(axis=1)
-        for first in (0, 1):
-            nodes = held - first
-            if not held.size or nodes.min() < 0 or nodes.max() >= n or np.array_equal(nodes, np.flatnonzero(of_rows)):
-                continue
-            chosen = self.nodes[nodes]
-            sides: Any = [self.nodes[:, i] == chosen[0, i] for i in range(2) if np.ptp(chosen[:, i]) == 0.0]
-            whole_side = any(side.sum() == len(nodes) and not of_rows[side].all() for side in sides)
-            if not inner[nodes].any() and (inner[of_rows].any() or (len(nodes) > 1 and whole_side)):
-                raise InputError(
-                    f"{self._owner}: held={short(self.held)} holds node {np.flatnonzero(of_rows)[0]} and others; as "
-                    "numbers of nodes they would be along the boundary",
-                    "rows of K: two for each node",
-                    "of nodes that are held in x and y take held=np.concatenate((2 * nodes, 2 * nodes + 1)), or "
-                    "rows[nodes].ravel()",
-                )
-
-    @cached_property
-    def _on_boundary(self) -> Bools:
-        """Nodes whose neighbours, those that K couples with them, are on one side of them."""
-        node, other = self._coupled.nonzero()
-        across = self.nodes[other] - self.nodes[node]
-        directions = across / np.maximum(norms(across), np.finfo(np.float64).tiny)[:, None]
-        sums = [np.bincount(node, component, len(self.nodes)) for component in directions.T]
-        return np.hypot(*sums) > MIN_ONE_SIDED * (np.bincount(node, minlength=len(self.nodes)) - 1)
-
     def _side(self, edges: Indices) -> float:
-        """Positive where the nodes nearest to a chain's edges are on its left, negative: on its right."""
-        inner = np.setdiff1d(np.arange(len(self.nodes)), edges)
-        starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
-        if len(inner):
-            apart, near = cKDTree(self.nodes[inner]).query(starts + chords / 2.0)
-            close = apart <= MAX_EDGE_DISTANCE * np.linalg.norm(chords, axis=1)
-            votes = float(np.sign(cross_product(chords, self.nodes[inner[near]] - starts))[close].sum())
-            if votes != 0.0:
-                return votes
+        """Positive where the body is on a chain's left, negative: on its right.
+
+        A pressure acts along the outward normal. Where its forces are not known, nodes of the same elements count.
+        """
+        _, clear, forces = self._tested
+        pushed = (forces * self._areas(edges)).sum(axis=1)[clear].sum()
+        if pushed != 0.0:
+            return float(pushed)
+        first, last = edges[:, 0], edges[:, -1]
+        edge, node = (self._coupled[first] * self._coupled[last]).nonzero()  # of the elements of edges
+        starts, chords = self.nodes[first[edge]], self.nodes[last[edge]] - self.nodes[first[edge]]
+        votes = float(np.sign(cross_product(chords, self.nodes[node] - starts))[~np.isin(node, edges)].sum())
+        if votes != 0.0:
+            return votes
         if edges[0, 0] != edges[-1, -1]:
             return 0.0
         x, y = self.nodes[edges[:, 0]].T
