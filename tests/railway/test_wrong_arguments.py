@@ -79,7 +79,7 @@ WRONG = {
     "a diameter above 0": lambda: ElasticAxle(diameters_mm=((0.0, 170.0), (900.0, 0.0))),
     "order them": lambda: ElasticAxle(diameters_mm=((0.0, 170.0), (900.0, 170.0), (800.0, 170.0))),
     "diameters_mm[1]": lambda: ElasticAxle(diameters_mm=(0.0, 170.0)),
-    "both on the axle": lambda: ElasticAxle().tilts(np.array([750.0, -750.0]), np.zeros((2, 2))),
+    "both on the axle": lambda: ElasticAxle().compliance(np.array([750.0, -750.0])),
     "kind = 'ladder'": lambda: Sleepers(kind="ladder"),
     "spacing_mm": lambda: Sleepers(spacing_mm=0.0),
     "vertical_kN_per_mm": lambda: Sleepers(vertical_kN_per_mm=0.0),

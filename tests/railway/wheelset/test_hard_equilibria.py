@@ -173,7 +173,7 @@ def cells_of_the_middle():
 def test_cells_that_are_chosen_twice_at_one_position_keep_the_way_to_it():
     """Where it was forgotten, a wheelset that had gone too far went on in the same steps back and forth."""
     wheelset, position, grids = cells_of_the_middle()
-    newton = WheelsetNewton(wheelset.problem, grids, position, np.zeros((2, 2, 3)), None, None)
+    newton = WheelsetNewton(wheelset.problem, grids, position, np.zeros((4, 4)), None, None)
     newton.linearise(1e-3)
     newton.across = Reach(1.2, 1.2, last=-1.2)
     for _ in range(2):

@@ -15,6 +15,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import WheelPose
+from flangeway.railway.wheelset.side_newton import MOTIONS
 from flangeway.railway.wheelset.spatial_result import solve_position
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -307,7 +308,7 @@ def test_derivatives_have_the_change_of_a_slope_that_falls(wheelset, theory):
     creep, now = forces(normal)
     slopes = creep.derivatives("right", side, normal, now)
     for inputs, derivative in (
-        (((normal, share) for share in (-step, step)), slopes.motion[:7, 4] * rate),
+        (((normal, share) for share in (-step, step)), slopes.motion[:7, MOTIONS.index("rate")] * rate),
         (((normal * (1.0 + share * shape),) for share in (-step, step)),
          slopes.shape[:7] @ np.tensordot(slopes.weights, normal * shape, axes=2)),
     ):  # fmt: skip

@@ -212,12 +212,20 @@ RIGIDITY = YOUNG * np.pi * DIAMETER**4 / 64.0
 UNIFORM = ElasticAxle(journals_mm=2000.0, diameters_mm=((0.0, DIAMETER), (1100.0, DIAMETER)), young_MPa=YOUNG)
 
 
+def tilts(axle, forces):
+    """Rotations of both seats against the line through them by forces and moments, (2, 2) by seat."""
+    left, left_tilt, right, right_tilt = axle.compliance(PLACES) @ np.ravel(forces)
+    return np.subtract((left_tilt, right_tilt), (right - left) / np.ptp(PLACES))
+
+
 def test_outside_journals_bend_the_middle_up() -> None:
-    """Equal wheel forces: bending Q (L - b) / 2 between the wheels, whose lower parts come closer."""
+    """Equal wheel forces: bending Q (L - b) / 2 between the wheels, whose lower parts come closer, Q a^2 / 3 beside."""
     force = 112.5e3
     expected = force * 250.0 * 750.0 / RIGIDITY
-    found = UNIFORM.tilts(PLACES, np.array([[force, 0.0], [force, 0.0]]))
-    np.testing.assert_allclose(found, [expected, -expected], rtol=1e-12)
+    forces = np.array([[force, 0.0], [force, 0.0]])
+    np.testing.assert_allclose(tilts(UNIFORM, forces), [expected, -expected], rtol=1e-12)
+    risen = expected * 250.0 + force * 250.0**3 / (3.0 * RIGIDITY)
+    np.testing.assert_allclose((UNIFORM.compliance(PLACES) @ forces.ravel())[::2], [risen, risen], rtol=1e-12)
 
 
 def test_inside_journals_bend_the_middle_down() -> None:
@@ -225,24 +233,47 @@ def test_inside_journals_bend_the_middle_down() -> None:
     inside = UNIFORM.replaced(journals_mm=1100.0)
     force, arm = 100e3, 200.0
     expected = force * arm * (1500.0 - arm) / 2.0 / RIGIDITY
-    found = inside.tilts(PLACES, np.array([[force, 0.0], [force, 0.0]]))
+    found = tilts(inside, [[force, 0.0], [force, 0.0]])
     np.testing.assert_allclose(found, [-expected, expected], rtol=1e-10)
 
 
 def test_a_moment_on_one_wheel_bends_a_supported_beam() -> None:
     """A moment at the end of a beam whose journals are in the wheels: M l / 3 E I there, - M l / 6 E I at the other."""
-    found = UNIFORM.replaced(journals_mm=1500.0).tilts(PLACES, np.array([[0.0, 0.0], [0.0, 20e6]]))
+    found = UNIFORM.replaced(journals_mm=1500.0).compliance(PLACES) @ (0.0, 0.0, 0.0, 20e6)
     slope = 20e6 * 1500.0 / RIGIDITY
-    np.testing.assert_allclose(found, [-slope / 6.0, slope / 3.0], rtol=1e-10)
+    np.testing.assert_allclose(found, [0.0, -slope / 6.0, 0.0, slope / 3.0], rtol=1e-10, atol=1e-12)
 
 
-def test_forces_superpose_and_mirror() -> None:
-    """Tilts are linear in the forces; exchanged sides exchange them with the sign of rotations."""
-    rng = np.random.default_rng(3)
-    one, two = rng.normal(size=(2, 2, 2)) * [1e5, 1e7]
-    axle = ElasticAxle()
-    np.testing.assert_allclose(
-        axle.tilts(PLACES, 2.0 * one - two), 2.0 * axle.tilts(PLACES, one) - axle.tilts(PLACES, two), rtol=1e-10
-    )
-    mirrored = axle.tilts(PLACES, one[::-1] * [1.0, -1.0])
-    np.testing.assert_allclose(mirrored, -axle.tilts(PLACES, one)[::-1], rtol=1e-10)
+@pytest.mark.parametrize("axle", [ElasticAxle(), ElasticAxle(journals_mm=1000.0)])
+def test_an_axle_bends_as_a_beam_of_finite_elements(axle) -> None:
+    """Hermite elements of an axle with steps, 5 mm long, seats beside its middle: all 16 entries to 1e-3; symmetric."""
+    places, half = np.array([-745.0, 760.0]), axle.journals_mm / 2.0
+    x = np.unique(np.append(np.arange(-1100.0, 1101.0, 5.0), (*places, -half, half)))
+    size, middle = np.diff(x), (x[1:] + x[:-1]) / 2.0
+    drawn = np.array(axle.diameters_mm)
+    rigidity = axle.young_MPa * np.pi * np.interp(abs(middle), *drawn.T) ** 4 / 64.0
+    stiffness = np.zeros((2 * len(x), 2 * len(x)))
+    for number, (length, stiff) in enumerate(zip(size.tolist(), rigidity.tolist(), strict=True)):
+        row, other = (
+            np.array([12.0, 6.0 * length, -12.0, 6.0 * length]),
+            np.array([6.0, 4.0 * length, -6.0, 2.0 * length]),
+        )
+        last = np.array([6.0, 2.0 * length, -6.0, 4.0 * length])
+        of_one = np.array([row, length * other, -row, length * last]) * stiff / length**3
+        stiffness[2 * number : 2 * number + 4, 2 * number : 2 * number + 4] += of_one
+    held = 2 * np.searchsorted(x, (-half, half))
+    free = np.setdiff1d(np.arange(2 * len(x)), held)
+    inverse = np.zeros_like(stiffness)
+    inverse[np.ix_(free, free)] = np.linalg.inv(stiffness[np.ix_(free, free)])
+    seats = np.ravel([(2 * at, 2 * at + 1) for at in np.searchsorted(x, places)])
+    compliance = axle.compliance(places)
+    np.testing.assert_allclose(compliance, compliance.T, rtol=1e-12)
+    expected = inverse[np.ix_(seats, seats)]
+    scale = np.sqrt(np.outer(expected.diagonal(), expected.diagonal()))
+    np.testing.assert_allclose(compliance / scale, expected / scale, atol=1e-3)
+
+
+def test_sides_exchange_with_their_loads() -> None:
+    """Of seats at equal distances the mirrored load bends the mirrored axle, with the sign of rotations."""
+    compliance, mirror = ElasticAxle().compliance(PLACES), np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([1.0, -1.0]))
+    np.testing.assert_allclose(mirror @ compliance @ mirror, compliance, rtol=1e-10)

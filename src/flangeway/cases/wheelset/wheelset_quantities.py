@@ -41,8 +41,9 @@ from flangeway.types import Floats
 AnyResult = SpatialResult | WheelsetResult
 REFERENCE = (
     "Position relative to the reference position, in which the axle is level, in the middle of the track, and the "
-    "wheels' tape lines are at the height of the rails' tops (y = 0), in the track's axes. The approach is the descent "
-    "from the position in which rigid wheels touch (in a curve: from the rigid equilibrium)."
+    "wheels' tape lines are at the height of the rails' tops (y = 0), in the track's axes; that of the line through "
+    "the journals of an axle that bends. The approach is the descent from the position in which rigid wheels touch (in "
+    "a curve: from the rigid equilibrium)."
 )
 XY, XYZ = ("x", "y"), ("x", "y", "z")
 

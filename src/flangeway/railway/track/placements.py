@@ -369,7 +369,7 @@ class WheelPair(Record):
 class WheelsetPosition:
     """Position of the wheelset: its rigid displacement from the reference position, axes of the track.
 
-    - `lateral_mm`: translation of the axle's middle in x.
+    - `lateral_mm`: translation of the axle's middle in x; on the line through the journals if the axle bends.
     - `vertical_mm`: translation of the axle's middle in y, up.
     - `roll_rad`: counter-clockwise rotation about the axle's middle.
     """

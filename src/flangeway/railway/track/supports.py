@@ -136,16 +136,17 @@ class ElasticAxle(Record):
             )
         return self
 
-    def tilts(self, positions: Floats, forces: Floats) -> Floats:
-        """Rotations of both wheel seats against the line through them, in rad, counter-clockwise.
+    def compliance(self, positions: Floats) -> Floats:
+        """Deflection in mm and tilt in rad of both wheel seats against the line through the journals, shape (4, 4).
+
+        Columns are the force upwards in N and the counter-clockwise moment in N mm at the left seat, then at the right
+        one; rows what they do there. With the bending moments m of unit loads on a beam that stands on its journals
+        ``C_ij = integral m_i m_j / (E I) dx``: symmetric (Maxwell, 1864). Forces along the axle do not bend it.
 
         Parameters
         ----------
         positions
-            Positions of the left and the right wheel along the axle from its middle, in mm, (2,); rising.
-        forces
-            What acts on each at the axle's centre line: the force upwards in N, and the counter-clockwise moment in
-            N mm; (2, 2). Forces along the axle do not bend it. The journals keep the equilibrium.
+            Positions of the left and the right seat along the axle from its middle, in mm, (2,); rising.
 
         Raises
         ------
@@ -153,7 +154,7 @@ class ElasticAxle(Record):
             If the wheels are not left and right of each other on the axle.
 
         """
-        drawn = np.array(self.diameters_mm)
+        drawn, half = np.array(self.diameters_mm), self.journals_mm / 2.0
         left, right = (float(position) for position in positions)
         if not -drawn[-1, 0] <= left < right <= drawn[-1, 0]:
             raise InputError(
@@ -161,20 +162,19 @@ class ElasticAxle(Record):
                 "the left wheel before the right one, both on the axle",
                 "correct the positions, or give a longer axle",
             )
-        half = self.journals_mm / 2.0
-        up, moments = forces.T
-        turning = float(up @ positions + moments.sum()) / half
-        journals = np.array([turning - up.sum(), -turning - up.sum()]) / 2.0
-        ends = np.unique(np.clip([left, right, half, -half, *drawn[:, 0], *-drawn[:, 0]], left, right))
+        corners = np.array([left, right, half, -half])
+        ends = np.unique(np.clip([*corners, *drawn[:, 0], *-drawn[:, 0]], corners.min(), corners.max()))
         points, weights = gauss(8)
-        x = ends[:-1, None] + np.diff(ends)[:, None] * points
-        # of what acts on the right of x
-        bending = sum(np.maximum(at - x, 0.0) * force for at, force in zip((-half, half), journals, strict=True))
-        bending = bending + (right - x) * up[1] + moments[1]
-        diameter = np.interp(abs(x), drawn[:, 0], drawn[:, 1])
-        turned = np.diff(ends)[:, None] * weights * bending / (self.young_MPa * np.pi * diameter**4 / 64.0)
-        share = (x - left) / (right - left)
-        return np.array([-((1.0 - share) * turned).sum(), (share * turned).sum()])
+        x = (ends[:-1, None] + np.diff(ends)[:, None] * points).ravel()
+        moments = []
+        for seat in (left, right):
+            for force, moment in ((1.0, 0.0), (0.0, 1.0)):
+                at_right = -(force * (seat + half) + moment) / self.journals_mm
+                journals = at_right * np.maximum(half - x, 0.0) - (force + at_right) * np.maximum(-half - x, 0.0)
+                # of what acts on the right of x
+                moments.append(force * np.maximum(seat - x, 0.0) + moment * (x < seat) + journals)
+        rigidity = self.young_MPa * np.pi * np.interp(abs(x), drawn[:, 0], drawn[:, 1]) ** 4 / 64.0
+        return np.asarray(moments * ((np.diff(ends)[:, None] * weights).ravel() / rigidity) @ np.transpose(moments))
 
 
 class RigidAxle(Record):
@@ -182,6 +182,10 @@ class RigidAxle(Record):
 
     kind: Literal["rigid"] = "rigid"
     """a rigid axle"""
+
+    def compliance(self, _positions: Floats) -> Floats:
+        """See `ElasticAxle.compliance`: zero, (4, 4)."""
+        return np.zeros((4, 4))
 
 
 Axle: TypeAlias = Annotated[ElasticAxle | RigidAxle, Field(discriminator="kind")]

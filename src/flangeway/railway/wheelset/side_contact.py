@@ -169,6 +169,7 @@ class WheelPose:
     - `roll_rad`, `yaw_rad`: of the axle.
     - `tilt_rad`: further roll of the wheel about its seat, as the axle bends.
     - `seat_mm`: distance of the wheel's seat from the axle's middle.
+    - `deflection_mm`: displacement of the seat upwards across the axle, as it bends.
     """
 
     x: float
@@ -177,6 +178,7 @@ class WheelPose:
     yaw_rad: float = 0.0
     tilt_rad: float = 0.0
     seat_mm: float = 0.0
+    deflection_mm: float = 0.0
 
     @property
     def whole_roll(self) -> float:
@@ -186,16 +188,21 @@ class WheelPose:
     @property
     def seat(self) -> Floats:
         """The wheel's seat from the axle's middle, shape (2,)."""
-        return self.seat_mm * np.array([np.cos(self.roll_rad), np.sin(self.roll_rad)])
+        return self.seat_mm * np.array([np.cos(self.roll_rad), np.sin(self.roll_rad)]) + self.deflection_mm * self.up
+
+    @property
+    def up(self) -> Floats:
+        """Direction across the axle, along which its seats deflect, shape (2,)."""
+        return np.array([-np.sin(self.roll_rad), np.cos(self.roll_rad)])
 
     @property
     def shift(self) -> Floats:
-        """What the tilt moves the origin of the wheel's profile away from the axle's middle, shape (2,)."""
+        """What bending of the axle moves the origin of the wheel's profile away from the axle's middle, shape (2,)."""
         return self.seat - self.seat_mm * np.array([np.cos(self.whole_roll), np.sin(self.whole_roll)])
 
     @property
     def middle(self) -> Floats:
-        """Origin of the wheel's profile: without tilt the middle of the axle, shape (2,)."""
+        """Origin of the wheel's profile: the middle of the axle if that does not bend, shape (2,)."""
         return self.shift + np.array([self.x, self.y])
 
     @property
@@ -213,7 +220,7 @@ class SideState:
     - `points`, `normals`: of the deformed rail's cells, each (n, 2).
     - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
     - `gaps`: of the deformed surfaces, shape (n, n_z).
-    - `stiffness`: derivatives of `resultant` by `MOTIONS` of `flangeway.railway.wheelset.side_newton`, shape (3, 6).
+    - `stiffness`: derivatives of `resultant` by `MOTIONS` of `flangeway.railway.wheelset.side_newton`, shape (3, 7).
     - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2).
     """
 

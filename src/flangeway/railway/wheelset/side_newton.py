@@ -28,14 +28,15 @@ MAX_MOVED_MM, MAX_BENT_MM = 0.5, 0.4
 """Displacement of a cell across the normal by normal forces, and by creep forces, by which the geometry changes in one
 step, at most."""
 N_RESULTANTS = 7
-MOTIONS = ("x", "y", "roll", "tilt", "rate", "yaw")
-"""By what derivatives are: the axle's position and roll, the wheel's tilt, its rate of rotation and the yaw."""
+MOTIONS = ("x", "y", "roll", "deflection", "tilt", "rate", "yaw")
+"""By what derivatives are: the axle's position and roll, the seat's deflection and tilt, the wheel's rate of rotation
+and the yaw."""
 
 
 class CreepSlopes(NamedTuple):
     """How creep forces of a side change: `motion` and `shape` with the resultant (7) and lateral forces of rows (n).
 
-    - `motion`: by `MOTIONS` where normal forces stay, (7 + n, 6).
+    - `motion`: by `MOTIONS` where normal forces stay, (7 + n, 7).
     - `shape`: by products of the normal forces with functions on the patches, (7 + n, k).
     - `weights`: these functions, (k, n, n_z).
     """
@@ -157,7 +158,7 @@ class SideNewton:
         self.values = self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
     def solve(self) -> tuple[Floats, Floats]:
-        """Forces on the cells in contact, (m,), and derivatives by `MOTIONS`, (m, 6)."""
+        """Forces on the cells in contact, (m,), and derivatives by `MOTIONS`, (m, 7)."""
         if self._factor is None:
             return np.zeros(0), np.zeros((0, len(MOTIONS)))
         rows, strips = np.nonzero(self.touching)
@@ -183,6 +184,7 @@ class SideNewton:
                 by[:, 0],
                 by[:, 1],
                 by[:, 1] * arms[:, 0] - by[:, 0] * arms[:, 1],
+                by @ self.pose.up,
                 by[:, 1] * from_seat[:, 0] - by[:, 0] * from_seat[:, 1],
                 np.zeros(len(rows)),
                 all_by[:, 2] * arms[:, 0] - by[:, 0] * arms[:, 2],
@@ -229,7 +231,7 @@ class SideNewton:
         return resultants[:, 0]
 
     def creep_now(self, forces: Floats, by_motion: Floats, at_bend: Floats) -> tuple[Floats, Floats]:
-        """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
+        """Resultant of creep forces (7,), and its derivatives (7, 7), at forces of `solve` from that at `bend`."""
         weights, by_shape = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
         now = at_bend + by_shape @ (weights @ forces - self.shape)
         return now, self.slopes.motion[:N_RESULTANTS] + by_shape @ (weights @ by_motion)

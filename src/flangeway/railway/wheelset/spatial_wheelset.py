@@ -10,16 +10,22 @@ import numpy as np
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.placements import SIDES, Side, Track, WheelPair, WheelsetPosition
 from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
-from flangeway.railway.track.supports import ElasticAxle
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
-from flangeway.railway.wheelset.wheelset_newton import FINE_RESIDUAL, SpatialState, WheelsetNewton, pose_of
+from flangeway.railway.wheelset.wheelset_newton import (
+    FINE_RESIDUAL,
+    SpatialState,
+    WheelsetNewton,
+    bending_by_load,
+    bending_of,
+    pose_of,
+)
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -65,12 +71,14 @@ FLANGE_SLOPE = 3.0
 
 
 class RollingPlace(NamedTuple):
-    """Where a wheelset rolls: position of the axle's middle, tilts of both wheels, yaw, and rate of rotation."""
+    """Where a wheelset rolls: position of the axle's middle, bending at both wheels, yaw, and rate of rotation."""
 
     lateral_mm: float
     vertical_mm: float
     roll_rad: float
+    left_deflection_mm: float
     left_tilt_rad: float
+    right_deflection_mm: float
     right_tilt_rad: float
     yaw_rad: float
     rate_rad_s: float
@@ -80,8 +88,8 @@ class RollingPlace(NamedTuple):
         """Place of an equilibrium with friction."""
         rolled = equilibrium.state.rolled
         assert rolled is not None
-        left, right = (SIDE_SIGN[side] * equilibrium.state.sides[side].pose.tilt_rad for side in SIDES)
-        return cls(*equilibrium.position.components, left, right, rolled.yaw_rad, rolled.rate_rad_s)
+        unknowns = *equilibrium.position.components, *bending_of(equilibrium.state.sides), rolled.yaw_rad
+        return cls(*map(float, (*unknowns, rolled.rate_rad_s)))
 
     @property
     def position(self) -> WheelsetPosition:
@@ -89,9 +97,9 @@ class RollingPlace(NamedTuple):
         return WheelsetPosition(*self[:3])
 
     @property
-    def tilts_rad(self) -> tuple[float, float]:
-        """Tilts of the left and the right wheel."""
-        return self.left_tilt_rad, self.right_tilt_rad
+    def bending(self) -> Floats:
+        """Deflection and tilt of the left and the right seat, (4,)."""
+        return np.array(self[3:7])
 
 
 Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
@@ -141,11 +149,12 @@ class SpatialWheelset:
         """
         if near is not None:
             return self._rolling(near.position, self._touching(near), near.rate_rad_s, progress)
-        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking))
+        risen = float(self._bending_by_load[::2].mean())
+        start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking - risen))
         kept = None, *self.problem.position.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
-        grids, tilts = self.whole(position, None, {}), self._tilts_by_forces
-        newton = WheelsetNewton(self.problem, grids, position, tilts, None, None)
+        grids = self.whole(position, None, {})
+        newton = WheelsetNewton(self.problem, grids, position, self.compliance, None, None)
         if self.problem.friction is None:
             return self._search(newton, _Cells(self, position, ((self.problem.patch_cells, FINE_RESIDUAL),)), progress)
         free = self._search(newton, _Cells(self, position, ()), progress)
@@ -161,14 +170,16 @@ class SpatialWheelset:
         stages = (round(COARSER_ACROSS * across), NESTED_RESIDUAL), (across, last)
         cells = _Cells(self, position, stages, state.sides)
         grids, _ = cells.fine(state)
-        creep, tilts = WheelsetCreep(self.problem, rate), self._tilts_by_forces
-        return self._search(WheelsetNewton(self.problem, grids, position, tilts, state, creep), cells, progress)
+        creep = WheelsetCreep(self.problem, rate)
+        newton = WheelsetNewton(self.problem, grids, position, self.compliance, state, creep)
+        return self._search(newton, cells, progress)
 
     def _touching(self, start: RollingPlace) -> SpatialState:
         """Contact without friction on coarse cells at a place."""
         grids, sides = self.whole(start.position, None, {}), dict[Side, SideState]()
-        for side, tilt in zip(SIDES, start.tilts_rad, strict=True):
-            sides[side] = solve_side(grids[side], pose_of(self.problem, start.position, side, start.yaw_rad, tilt))
+        for side in SIDES:
+            pose = pose_of(self.problem, start.position, side, start.yaw_rad, start.bending)
+            sides[side] = solve_side(grids[side], pose)
         return SpatialState(sides)
 
     def whole(
@@ -208,8 +219,8 @@ class SpatialWheelset:
         return replace(equilibrium, status=self._none(equilibrium, rolling))
 
     def rise(self, position: WheelsetPosition) -> float:
-        """How much higher the axle is at a position than rigid in the middle of the track, mm."""
-        return position.vertical_mm - self._middle_mm
+        """How much higher the wheels are at a position than rigid in the middle of the track, mm."""
+        return position.vertical_mm + float(self._bending_by_load[::2].mean()) - self._middle_mm
 
     @cached_property
     def _middle_mm(self) -> float:
@@ -308,29 +319,23 @@ class SpatialWheelset:
         return min(compliance) * self.problem.forces.in_track[1] / 2.0
 
     @cached_property
-    def _tilts_by_forces(self) -> Floats:
-        """Tilts of both wheels by force (x, y) and moment about the axle's middle on each, shape (2, 2, 3).
+    def compliance(self) -> Floats:
+        """Compliance of the axle at its seats, see `ElasticAxle.compliance`, (4, 4)."""
+        wheels = self.problem.wheels
+        return wheels.axle.compliance(np.array([wheels.placement(side).translation[0] for side in SIDES]))
 
-        By side, tilt and resultant, in the track's axes.
-        """
-        tilts = np.zeros((2, 2, 3))
-        axle = self.problem.wheels.axle
-        if not isinstance(axle, ElasticAxle):
-            return tilts
-        positions = np.array([self.problem.wheels.placement(side).translation[0] for side in SIDES])
-        for number, position in enumerate(positions.tolist()):
-            for axis, unit in ((1, (1.0, -position)), (2, (0.0, 1.0))):
-                forces = np.zeros((2, 2))
-                forces[number] = unit
-                tilts[number, :, axis] = axle.tilts(positions, forces)
-        return tilts
+    @cached_property
+    def _bending_by_load(self) -> Floats:
+        """Deflection and tilt of both seats by the vertical load, (4,)."""
+        return bending_by_load(self.problem, self.compliance)
 
     def _coarse(self, side: Side, position: WheelsetPosition, near: SpatialState | None) -> GriddedSide:
         """Cells of a whole running surface at a position; `near`: contact there, if it is known."""
         cell, strip, yaw = COARSE_MM, COARSE_STRIP_MM, self.problem.position.yaw_rad
         if near is not None and near.rolled is not None:
             yaw = near.rolled.yaw_rad
-        surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw)
+        bending = self._bending_by_load if near is None else bending_of(near.sides)
+        surfaces, pose = self.surfaces[side], pose_of(self.problem, position, side, yaw, bending)
         # the rail's head has moved away
         motion = np.array([0.0, -self._sinking])
         if near is not None:

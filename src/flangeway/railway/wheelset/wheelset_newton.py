@@ -1,7 +1,7 @@
 """Equilibrium of a wheelset in three dimensions by Newton's method, without friction or with creep forces.
 
-Unknown are the position, the tilts of both wheels, and with friction the rate of rotation about the axle and, if it is
-not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`.
+Unknown are the position, deflections and tilts of the axle's seats, and with friction the rate of rotation about the
+axle and, if it is not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`.
 """
 
 from collections.abc import Mapping
@@ -67,20 +67,64 @@ def signs_of(side: Side) -> Floats:
     return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
 
 
+NOT_BENT = np.zeros(4)
+
+
 def pose_of(
-    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
+    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, bending: Floats = NOT_BENT
 ) -> WheelPose:
-    """Pose of a wheel in the right-hand form of its side."""
+    """Pose of a wheel in the right-hand form of its side.
+
+    - `bending`: deflection and tilt of the left and the right seat in the track's axes, (4,).
+    """
     sign = SIDE_SIGN[side]
     x, y = position.axle(problem.wheels)
     seat = abs(problem.wheels.placement(side).translation[0])
-    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
+    deflection, tilt = bending[seat_of(side)].tolist()
+    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt, seat, deflection)
+
+
+def seat_of(side: Side) -> list[int]:
+    """Numbers of deflection and tilt of the seat of a side among those of both."""
+    first = 2 * SIDES.index(side)
+    return [first, first + 1]
+
+
+def bending_of(sides: Mapping[Side, SideState]) -> Floats:
+    """Deflection and tilt of both seats in the poses of the wheels, see `pose_of`."""
+    poses = [(SIDE_SIGN[side], sides[side].pose) for side in SIDES]
+    return np.array([value for sign, pose in poses for value in (pose.deflection_mm, sign * pose.tilt_rad)])
+
+
+def on_seat(pose: WheelPose, resultant: Floats) -> tuple[Floats, Floats, Floats]:
+    """Force across the axle and moment that a wheel exerts on its seat, (2,), and their derivatives.
+
+    With the direction ``u`` across the axle and the seat ``s``: ``Q = (u . F, M - s x F)``; they do work on the
+    deflection and the tilt of the seat.
+
+    - `resultant`: force F on the wheel (x, y) and moment M about the axle's middle, (3,).
+
+    Returned: Q, ``dQ / d(F, M)`` (2, 3) and ``dQ / d(x, y, roll, deflection, tilt)`` where F and M stay, (2, 5).
+    """
+    (u_x, u_y), (s_x, s_y), (f_x, f_y) = pose.up, pose.seat, resultant[:2]
+    by_resultant = np.array([[u_x, u_y, 0.0], [s_y, -s_x, 1.0]])
+    by_motion = np.zeros((2, 5))
+    # du/droll = (-u_y, u_x), ds/droll = (-s_y, s_x), ds/ddeflection = u
+    by_motion[:, 2] = u_x * f_y - u_y * f_x, s_x * f_x + s_y * f_y
+    by_motion[1, 3] = u_y * f_x - u_x * f_y
+    return by_resultant @ resultant, by_resultant, by_motion
+
+
+def bending_by_load(problem: WheelsetProblem, compliance: Floats) -> Floats:
+    """Deflection and tilt of both seats by half of the vertical load on each, see `pose_of`."""
+    return np.asarray(compliance[:, ::2].sum(axis=1) * problem.forces.in_track[1] / 2.0)
 
 
 COARSE_FORCES = 1e-2
 """Change of the forces from which on cells that come into contact or leave it do not count."""
 FINE_RESIDUAL = 1e-8
-FINE_TILT_RAD = 1e-9
+FINE_BENDING = np.array([1e-6, 1e-9, 1e-6, 1e-9])
+"""Change of deflections in mm and tilts in rad of the seats that is round-off."""
 FINE_FORCES = 1e-7
 """Change of the forces of a step relative to their sum."""
 MAX_GROWTH, HALVED = 4.0, 0.25
@@ -98,9 +142,9 @@ DIRECT = 4.0
 """See `_leads`."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
-TILTS, RATE, YAW = (3, 4), 5, 6
-"""Numbers of the unknowns behind the position: tilts of both wheels, and with friction the rate of rotation and the
-yaw."""
+BENDING, RATE, YAW = slice(3, 7), 7, 8
+"""Numbers of the unknowns behind the position: deflection and tilt of the left and the right seat, and with friction
+the rate of rotation and the yaw."""
 
 
 class WheelsetNewton:
@@ -111,21 +155,18 @@ class WheelsetNewton:
         problem: WheelsetProblem,
         grids: Mapping[Side, GriddedSide],
         position: WheelsetPosition,
-        by_forces: Floats,
+        compliance: Floats,
         near: SpatialState | None,
         creep: WheelsetCreep | None,
     ) -> None:
-        self.problem, self.by_forces = problem, by_forces
+        self.problem, self.compliance = problem, compliance
         self.position, self.yaw = position, problem.position.yaw_rad
         self.creep = creep
-        if near is None:  # those by the vertical load on the tape circles
-            load = problem.forces.in_track[1] / 2.0
-            arms = [problem.wheels.placement(side).translation[0] for side in SIDES]
-            self.tilts = np.sum([by_forces[i] @ (0.0, load, load * arm) for i, arm in enumerate(arms)], axis=0)
+        if near is None:
+            self.bending = bending_by_load(problem, compliance)
         else:
-            poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
-            self.yaw = poses[0][0] * poses[0][1].yaw_rad
-            self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
+            self.yaw = SIDE_SIGN["left"] * near.sides["left"].pose.yaw_rad
+            self.bending = bending_of(near.sides)
         self.sides: dict[Side, SideNewton] = {}
         self._slopes: dict[Side, CreepSlopes] = {}
         self.errors = [1.0]
@@ -136,10 +177,10 @@ class WheelsetNewton:
         self.place(grids, near)
         rolls, prescribed = creep is not None, problem.position.components
         yaws = creep is not None and creep.motion.yaw_is_free
-        self.free = np.array([*(value is None for value in prescribed), True, True, rolls, yaws])
+        self.free = np.array([*(value is None for value in prescribed), *[True] * 4, rolls, yaws])
         arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
         turning = [0.0 if creep is None else radius / creep.rate_rad_s, arm]
-        least = np.array([1.0, 1.0, arm**2, 0.0, 0.0, *turning])
+        least = np.array([1.0, 1.0, arm**2, *NOT_BENT, *turning])
         self._least = np.diag(MIN_STIFFNESS * problem.forces.vertical_N * least)
 
     def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
@@ -152,10 +193,10 @@ class WheelsetNewton:
             for side, slopes in self._slopes.items()
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
-        for number, (side, grid) in enumerate(grids.items()):
+        for side, grid in grids.items():
             if near is not None and side in self.sides and grid is self.sides[side].grid:
                 continue  # its contact is known
-            pose = pose_of(self.problem, self.position, side, self.yaw, self.tilts[number])
+            pose = pose_of(self.problem, self.position, side, self.yaw, self.bending)
             if near is None:
                 self.sides[side] = SideNewton(grid, pose)
                 continue
@@ -228,36 +269,40 @@ class WheelsetNewton:
             if not self._serve(tolerance):
                 self._slopes.clear()
             self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
-        total, self.jacobian = np.zeros(3), np.zeros((n, n))
+        total, self.jacobian, seats = np.zeros(3), np.zeros((n, n)), np.zeros(4)
         self.resultants: dict[Side, Floats] = {}
         self.changes: dict[Side, tuple[Floats, Floats, Floats, list[int]]] = {}
         self.rolled: dict[Side, SideCreep] = {}
         self.turning = 0.0  # yaw moment of normal forces
         self.creep_now, self.creeping = np.zeros(5), np.zeros((5, n))
         jacobian = self.jacobian
-        for number, (side, newton) in enumerate(self.sides.items()):
-            newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.tilts[number]))
+        for side, newton in self.sides.items():
+            newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.bending))
             forces, by = newton.solve()
             if self.creep is not None:
                 self._bent_by_creep(side, newton, forces)
                 forces, by = newton.solve()
             signs = signs_of(side)
-            by_signs = np.array([*signs, signs[0], 1.0, signs[0]])
-            columns = [0, 1, 2, 3 + number, RATE, YAW]  # of `MOTIONS`
+            by_signs = np.array([*signs, 1.0, signs[0], 1.0, signs[0]])
+            columns = [0, 1, 2, *np.add(BENDING.start, seat_of(side)).tolist(), RATE, YAW]  # of `MOTIONS`
             self.resultants[side] = signs * newton.linearised_resultant(forces, by)
             self.changes[side] = forces, by, by_signs, columns
             slopes = signs[:, None] * newton.stiffness * by_signs
             jacobian[:3, columns] += slopes
-            jacobian[3:5, columns] -= self.by_forces[number] @ slopes
             if self.creep is not None:
-                self._add_creep(number, side)
+                slopes = slopes + self._add_creep(side)
             total += self.resultants[side]
+            to_track = np.array([1.0, signs[0]])
+            forces_on_seat, by_resultant, by_motion = on_seat(newton.pose, signs * self.resultants[side])
+            seats[seat_of(side)] = to_track * forces_on_seat
+            slopes = by_resultant @ (signs[:, None] * slopes)
+            slopes[:, :5] += by_motion * by_signs[:5]
+            jacobian[BENDING, columns] -= self.compliance[:, seat_of(side)] @ (to_track[:, None] * slopes)
         jacobian[2, 2] += moment_by_roll(self.problem, self.position.roll_rad)
-        jacobian[3:5, 3:5] += np.eye(2)
+        jacobian[BENDING, BENDING] += np.eye(4)
         self.residual, self.relative = with_loads(self.problem, self.position, total)
-        elastic = sum(self.by_forces[number] @ self.resultants[side] for number, side in enumerate(SIDES))
-        self.elastic_tilts = np.asarray(elastic)
-        self.missed = np.concatenate((self.residual, self.tilts - self.elastic_tilts, np.zeros(2)))
+        self.unbent = self.bending - self.compliance @ seats
+        self.missed = np.concatenate((self.residual, self.unbent, np.zeros(2)))
         if self.creep is not None:
             self._add_equations(self.creep)
         self.errors.append(self.relative.equilibrium_residual)
@@ -274,8 +319,8 @@ class WheelsetNewton:
         slopes = self._slopes[side]
         newton.bend(creep.rows, creep.gap_increase, forces, slopes)
 
-    def _add_creep(self, number: int, side: Side) -> None:
-        """Add creep forces of a side and what they change."""
+    def _add_creep(self, side: Side) -> Floats:
+        """Add creep forces of a side and what they change; derivatives of their resultant by `MOTIONS`, (3, 7)."""
         newton, to_track = self.sides[side], signs_of_creep(side)
         forces, by, by_signs, columns = self.changes[side]
         now, change = newton.creep_now(forces, by, self.rolled[side].resultant)
@@ -283,10 +328,10 @@ class WheelsetNewton:
         self.creeping[:, columns] += change
         self.creep_now += now
         self.resultants[side] = self.resultants[side] + now[:3]
-        self.jacobian[3:5, columns] -= self.by_forces[number] @ change[:3]
         moment, slopes = newton.yaw_moment(forces, by * by_signs)
         self.turning -= SIDE_SIGN[side] * moment
         self.jacobian[YAW, columns] -= SIDE_SIGN[side] * slopes
+        return np.asarray(change[:3])
 
     def _add_equations(self, creep: WheelsetCreep) -> None:
         """Add the equations of torque and yaw."""
@@ -309,7 +354,7 @@ class WheelsetNewton:
     @property
     def _limits(self) -> Floats:
         """Step limits."""
-        return np.array([*MAX_STEP, MAX_STEP[2], MAX_STEP[2], np.inf, MAX_YAW_RAD])
+        return np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), np.inf, MAX_YAW_RAD])
 
     def _step(self) -> Floats:
         """Newton's step, limited so that the wheelset goes where it is pushed.
@@ -335,7 +380,7 @@ class WheelsetNewton:
         # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
         # and yaw; with creep forces it holds for these alone, also where friction that falls turns their slope over
         numbers = np.arange(n)
-        pushed = columns & rows & (~np.isin(numbers, TILTS) if self.creep is None else numbers >= RATE)
+        pushed = columns & rows & ((numbers < BENDING.start) if self.creep is None else numbers >= RATE)
         wanted = step.copy()
         if self.creep is not None:
             for number in numbers[pushed]:
@@ -392,15 +437,22 @@ class WheelsetNewton:
             or self.way_left != 0.0
             or (most < COARSE_FORCES and any(side.changed for side in self.sides.values()))
         )
-        tilted = float(np.abs(self.tilts - self.elastic_tilts).max()) > share * FINE_TILT_RAD
+        bends = bool((np.abs(self.unbent) > share * FINE_BENDING).any())
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
-        self.tilts = self.tilts + step[3:5]
+        self.bending = self.bending + step[BENDING]
         if self.creep is not None:
             for number, reach in self.reaches.items():
                 reach.last = float(step[number])
             self.creep.rate_rad_s += float(step[RATE])
             self.yaw += float(step[YAW])
-        return error <= tolerance and change <= most and not (tilted or moving)
+        return error <= tolerance and change <= most and not (bends or moving)
+
+    @property
+    def condensed(self) -> Floats:
+        """Derivatives of the residual by the position where the axle bends with it, (3, 3)."""
+        jacobian = self.jacobian
+        bends = np.linalg.solve(jacobian[BENDING, BENDING], jacobian[BENDING, :3])
+        return np.asarray(jacobian[:3, :3] - jacobian[:3, BENDING] @ bends)
 
     def equilibrium(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""
@@ -408,10 +460,7 @@ class WheelsetNewton:
         if self.creep is not None:
             rolled = RolledWheelset(self.rolled, self.creep.rate_rad_s, self.yaw, self.yaw_moment, self.torque)
         elif self.free[:3].all():
-            # the tilts follow the position
-            jacobian = self.jacobian
-            whole = jacobian[:3, :3] - jacobian[:3, 3:5] @ np.linalg.solve(jacobian[3:5, 3:5], jacobian[3:5, :3])
-            stable = is_stable(self.problem, whole)
+            stable = is_stable(self.problem, self.condensed)
         state = replace(self.contact, rolled=rolled)
         return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
 

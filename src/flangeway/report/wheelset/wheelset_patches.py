@@ -14,7 +14,7 @@ from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import measured
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
 from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
@@ -108,9 +108,11 @@ def section_figure(run: WheelsetRun) -> Figure:
 
 
 def _outlines(result: SpatialResult, side: Side) -> tuple[Floats, Floats]:
-    """Outlines of the rail with the motion of its head, and of the wheel, in the track."""
-    problem, motion = result.problem, result.equilibrium.position
-    wheelset, track = problem.wheels, problem.track
+    """Outlines of the rail with the motion of its head, and of the wheel on the axle as it bends, in the track."""
+    wheelset, track = result.problem.wheels, result.problem.track
+    pose, sign = result.equilibrium.state.sides[side].pose, SIDE_SIGN[side]
+    x, y = pose.middle.tolist()
+    motion = WheelsetPosition(sign * x, y - wheelset.tape_radius_mm, sign * pose.whole_roll)
     rail = track.placement(side).points(track.rail_of(side).outline.sampled(max_deviation=0.01))
     wheel = motion.placement(wheelset, side).points(wheelset.wheel_of(side).outline.sampled(max_deviation=0.01))
     *shift, roll, _ = result.head_motion(side)

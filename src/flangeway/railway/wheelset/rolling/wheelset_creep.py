@@ -31,8 +31,9 @@ from flangeway.types import Bools, Floats
 
 CLOSED_FORMS: tuple[Theory, ...] = ("polach", "linear")
 """Theories with a closed form."""
-DIFFERENCE_STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
-"""Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
+DIFFERENCE_STEPS = (1e-3, 1e-3, 1e-6, 1e-3, 1e-6, 1e-5, 1e-6)
+"""Differences by the axle's x, y and roll, the seat's deflection and tilt, the wheel's rate of rotation over itself,
+and the yaw."""
 MERGED_FORCE, FIRST_MERGED_FORCE = 0.25, 0.1
 """Maximum force of a cell between two patches that were apart, relative to that of the lesser, at which they are one;
 and the same for patches of which nothing is known before."""
@@ -274,14 +275,15 @@ class WheelsetCreep:
         """
         contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
         rows = rows_of(newton, contact)
-        sizes = np.array(DIFFERENCE_STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
+        sizes = np.array(DIFFERENCE_STEPS) * [1.0, 1.0, 1.0, 1.0, 1.0, rate, 1.0]
         places, motions = [], []
-        for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(DIFFERENCE_STEPS)), np.diag(sizes))).tolist():
+        for x, y, roll_rad, up, tilt, turning, yaw in np.vstack((np.zeros(len(sizes)), np.diag(sizes))).tolist():
             moved = replace(
                 pose,
                 x=pose.x + x,
                 y=pose.y + y,
                 roll_rad=pose.roll_rad + roll_rad,
+                deflection_mm=pose.deflection_mm + up,
                 tilt_rad=pose.tilt_rad + tilt,
                 yaw_rad=pose.yaw_rad + yaw,
             )
