@@ -353,7 +353,7 @@ class Computed:
             again=Again(command, files=f"All numbers, for spreadsheets, are in `{TABLE}`."),
             sentences=[self.text.replace(" {{table}}", "")],
             warnings=[*self.failures, *self.outside],
-            pictures=[
+            pictures=lambda: [
                 Picture(f"{picture.name}.png", partial(picture.draw, self.curves), f"{picture.alternative}.")
                 for picture in self.study.pictures
                 if any(curve.picture == picture.name for curve in self.curves)

@@ -24,7 +24,7 @@ from flangeway.report.figures.display import (
     write_frame,
     write_series,
 )
-from flangeway.report.figures.plots import write_part
+from flangeway.report.scenes import write_part
 from flangeway.report.viewer.scene_model import DISPLACEMENT
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space

@@ -27,8 +27,9 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report import profile_outputs
 from flangeway.report.figures.drawing import COLOURS, SIGNED
 from flangeway.report.figures.plots import drawn_parts, plot_stress
-from flangeway.report.patch_maps import PatchMap, ShownRolling, maps_figure, rolling_figure, shakedown_figure
-from flangeway.report.wheelset.wheelset_patches import ORDINATE_MM, contact_figure, nodes_figure, section_figure
+from flangeway.report.patch_figures import maps_figure, rolling_figure, shakedown_figure
+from flangeway.report.patch_maps import PatchMap, ShownRolling
+from flangeway.report.wheelset.wheelset_figures import ORDINATE_MM, contact_figure, nodes_figure, section_figure
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway_studies.rolling_cases import elliptic

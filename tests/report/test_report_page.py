@@ -18,14 +18,14 @@ from flangeway.post import corner_stresses
 from flangeway.records import GivenText
 from flangeway.report import scenes, write_case
 from flangeway.report.bodies_page import bodies_record
+from flangeway.report.figures import drawing
 from flangeway.report.figures.display import shown_cells
-from flangeway.report.figures.drawing import load_steps, newton_figure, png, steps_table
-from flangeway.report.page import html_page
+from flangeway.report.figures.drawing import newton_figure, png
 from flangeway.report.page.html_page import command_line, report_page
-from flangeway.report.scenes import bodies_fields, body_fields, body_steps
+from flangeway.report.scenes import bodies_fields, body_fields, body_steps, load_steps, steps_table
 from flangeway.report.section_page import section_record
 from flangeway.report.wheelset import wheelset_page as outputs
-from flangeway.report.wheelset.wheelset_page import PLANE_PICTURES as PICTURES
+from flangeway.report.wheelset.wheelset_figures import PLANE_PICTURES as PICTURES
 from flangeway.solve import Status
 
 VOID = {"meta", "img", "br", "link", "input"}
@@ -59,7 +59,7 @@ class Page(HTMLParser):
 def folder(runs, tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "vem"
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(html_page, "png", lambda figure: png(figure, 20))
+        patched.setattr(drawing, "png", lambda figure: png(figure, 20))
         write_case(runs["vem"], out)
     return out
 

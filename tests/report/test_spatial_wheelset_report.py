@@ -19,9 +19,9 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.wheelset.wheel_patch import rolling_contact_of
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from flangeway.report.case_outputs import case_record, write_case
-from flangeway.report.page import html_page
+from flangeway.report.figures import drawing
+from flangeway.report.wheelset.wheelset_files import write_section
 from flangeway.report.wheelset.wheelset_page import BELOW_MM, below_fields, pressure_scene
-from flangeway.report.wheelset.wheelset_patches import write_section
 
 pytestmark = pytest.mark.ci
 
@@ -70,8 +70,8 @@ def folder(rolling, tmp_path_factory):
     """All its files, without the dots of its pictures."""
     out = tmp_path_factory.mktemp("rolling")
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(html_page, "png", lambda _: b"\x89PNG")
-        files = write_case(rolling, out)
+        patched.setattr(drawing, "png", lambda _: b"\x89PNG")
+        files = write_case(rolling, out, whole_sections=True)
     assert {file.name for file in files} == FILES
     return out
 
@@ -237,7 +237,7 @@ def test_a_search_without_patches_has_no_empty_pictures_and_tables(run):
     """Where no equilibrium was found, pictures and tables of patches are left out; position and forces stay."""
     nothing = replace(run.result, patches=())
     record = case_record(replace(run, result=nothing))
-    assert [picture.file for picture in record.pictures] == ["wheelset.png", "rails.png"]
+    assert [picture.file for picture in record.pictures()] == ["wheelset.png", "rails.png"]
     assert "Patches" not in [table.caption for table in record.tables]
     assert record.results.rows
     assert "Rolling" not in record.chapters

@@ -139,7 +139,7 @@ def test_sentences(records):
 @pytest.mark.ci
 def test_pictures(records):
     """Data is the same, every tick of an axis with a unit is at its number, and no text has a metric unit."""
-    for one, other in zip(*(record.pictures for record in records), strict=True):
+    for one, other in zip(*(record.pictures() for record in records), strict=True):
         metric, us = one.draw(), other.draw()
         us.draw_without_rendering()
         assert not [text.get_text() for text in us.findobj(Text) if METRIC.search(text.get_text())]

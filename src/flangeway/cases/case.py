@@ -66,6 +66,14 @@ class RunnableCase(Case):
     def check(self) -> None:
         """Raise `InputError` for what is wrong beyond single values, without computing."""
 
+    def check_sections(self) -> None:
+        """Raise `InputError` where a run has no whole sections of rails and wheels."""
+        raise InputError(
+            f"whole sections of {self.name}",
+            "those of rails and wheels of a wheelset in three dimensions",
+            "leave --whole-sections out",
+        )
+
     position_keys: ClassVar[tuple[str, ...]] = ()
     """Inputs that leave the bodies as they are: cases that differ in these only share their `prepared` bodies."""
 

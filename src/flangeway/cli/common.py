@@ -262,12 +262,19 @@ class Show:
                 yield progress
 
     def record(
-        self, record: "Report", folder: Path, others: Callable[[], Sequence[Path]] = tuple, *, last: bool = True
+        self,
+        record: "Report",
+        folder: Path,
+        others: Callable[[], Sequence[Path]] = tuple,
+        *,
+        last: bool = True,
+        **further: bool,
     ) -> bool:
         """Print the numbers, which do not wait for the pictures, write all files, and print where the report is.
 
         - `others`: writes further files afterwards, and returns them.
         - `last`: whether JSON is that of this record; otherwise `json` prints it for all records.
+        - `further`: options of `write_record`.
 
         Returns whether it ended well.
         """
@@ -278,7 +285,7 @@ class Show:
         if not self.as_json:
             print_record(console, record, quiet=self.quiet)
         with self.progress() as progress:
-            files = write_record(record, folder, progress, pictures=not self.no_pictures, xlsx=self.xlsx)
+            files = write_record(record, folder, progress, pictures=not self.no_pictures, xlsx=self.xlsx, **further)
         self.files(others())
         if not self.as_json:
             if not self.quiet:

@@ -1,5 +1,6 @@
 """``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
 
+import inspect
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -33,15 +34,15 @@ from flangeway.errors import InputError
 if TYPE_CHECKING:
     from flangeway.cases.case import RunnableCase
 
-CaseWork = Callable[[str, "RunnableCase", Path | None, Show], bool]
-"""Work on the case of a name or file, with a folder for the results, shown in some way; whether it ended well."""
+CaseWork = Callable[..., bool]
+"""Work on the case of a name or file, with a folder for the results, shown in some way; whether it ended well.
+
+It takes the name, the case, the folder and how it is shown, and has options of its own as keywords."""
 
 
 def _command_on_a_case(work: CaseWork) -> CaseWork:
-    """Add a command that takes a case with its options; the exit status is that of its work."""
+    """Add a command that takes a case with its options and those of its work, whose exit status it has."""
 
-    @app.command(work.__name__, help=work.__doc__)
-    @shows_results
     def command(
         case: Annotated[
             str,
@@ -90,6 +91,7 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         out: Out = None,
         *,
         show: Show,
+        **further: bool,
     ) -> bool:
         named = {
             "wheel": wheel,
@@ -101,20 +103,37 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         }
         inputs = _case(case, set_, **named, units=show.units)
         show.units = inputs.units
-        return work(case, inputs, out, show)
+        return work(case, inputs, out, show, **further)
 
+    shared, own = inspect.signature(command), inspect.signature(work).parameters.values()
+    options = [option for option in own if option.kind is option.KEYWORD_ONLY]
+    shared = shared.replace(parameters=[*list(shared.parameters.values())[:-1], *options])
+    command.__signature__ = shared  # type: ignore[attr-defined]
+    app.command(work.__name__, help=work.__doc__)(shows_results(command))
     return work
 
 
 @_command_on_a_case
-def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
+def run(
+    name: str,
+    case: "RunnableCase",
+    out: Path | None,
+    show: Show,
+    *,
+    whole_sections: Annotated[
+        bool,
+        typer.Option("--whole-sections", help="Write stresses in whole sections of rails and wheels too (VTU)."),
+    ] = False,
+) -> bool:
     """Run a case or a case file: results here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
     from flangeway.report.case_outputs import case_record  # noqa: PLC0415
 
+    if whole_sections:
+        case.check_sections()
     folder = results_folder(out, Path(name).stem)
     with show.progress() as progress:
         done = case.run(progress)
-    return show.record(case_record(done), folder)
+    return show.record(case_record(done), folder, whole_sections=whole_sections)
 
 
 @_command_on_a_case

@@ -81,6 +81,17 @@ def extent(points: Floats) -> float:
     return float(np.ptp(points, axis=0).max())
 
 
+def box(points: Sequence[Floats], margin: float) -> Floats:
+    """Return the corners (2, 2) of the box about all points, widened."""
+    every = np.vstack(points)
+    return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
+
+
+def framed(points: Floats, share: float) -> Floats:
+    """Return the box about points (n, 2), widened by a share of its longer side."""
+    return box([points], share * extent(points))
+
+
 def steps_around(vertices: Floats) -> Floats:
     """Return the steps from each vertex of polygons (n_vertices, ...) to the next one, of the same shape."""
     return np.roll(vertices, -1, axis=0) - vertices

@@ -40,8 +40,8 @@ from flangeway.records import TAG, GivenText, Record, allowed, are_tables, defau
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import command_line, report_page
+from flangeway.report.wheelset.wheelset_files import patch_map
 from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
-from flangeway.report.wheelset.wheelset_patches import patch_map
 from flangeway.system.disk_cache import LatestValues
 from flangeway.types import Floats, Progress, floats
 from flangeway.units import Units, us_key, us_unit
@@ -202,7 +202,7 @@ class LiveEngine:
 
         def page(progress: Progress) -> str:
             record = case_record(self._run(self.case(inputs), progress))
-            return report_page(record, [(picture, png(picture.draw())) for picture in record.pictures])
+            return report_page(record, [(picture, png(picture.draw())) for picture in record.pictures()])
 
         return self._alone(page)
 

@@ -22,10 +22,9 @@ from flangeway.report.figures.drawing import (
     colour_bar,
     legend_below,
     name_axes,
-    named,
     panels,
 )
-from flangeway.report.page.record import Figures
+from flangeway.report.page.record import Figures, named
 from flangeway.types import Bools, Floats
 from flangeway.units import Units
 

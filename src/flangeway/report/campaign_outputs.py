@@ -13,9 +13,8 @@ from flangeway.campaign.database import export_writers
 from flangeway.quantities import Quantity, measured
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
-from flangeway.report.figures.drawing import named
 from flangeway.report.page.html_page import input_rows
-from flangeway.report.page.record import Again, Picture, Report, SummaryTable
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, named
 from flangeway.system.output_folder import versions, write_together
 from flangeway.units import Units
 
@@ -92,7 +91,9 @@ def campaign_record(
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
         units=units,
         warnings=_warnings(failures, warned),
-        pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()],
+        pictures=lambda: [
+            Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table, units).items()
+        ],
         tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MAX_REASONS:])]
         if len(ranges) > MAX_REASONS
         else [],

@@ -73,7 +73,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
         notes=[f"in {len(jumps)} intervals patches jump: there forces go over from those of one position to another"]
         if jumps
         else [],
-        pictures=[Picture("creep-forces.png", lambda: forces_figure(table, units), CAPTION)],
+        pictures=lambda: [Picture("creep-forces.png", lambda: forces_figure(table, units), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
             *([table_of("Patches jump", jumps, JUMP, units=units)] if jumps else []),

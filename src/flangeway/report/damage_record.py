@@ -13,8 +13,8 @@ from flangeway.quantities import Quantity, measured
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage, limit_positions
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, named, new_figure
-from flangeway.report.page.record import Again, Picture, Report, SummaryTable, table_across, table_of
+from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, new_figure
+from flangeway.report.page.record import Again, Picture, Report, SummaryTable, named, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
 from flangeway.units import Units
@@ -91,7 +91,7 @@ def damage_record(
         units=units,
         warnings=[*dict.fromkeys(unconverged), *([LOST_TEXT] if unconverged else [])],
         assumptions=_assumptions(inputs),
-        pictures=[
+        pictures=lambda: [
             Picture(PROFILES_PNG, lambda: profiles_figure(steps, rows, unit, units), PROFILES_TEXT),
         ],
         tables=[_states(steps, units)],
@@ -273,7 +273,7 @@ def strategies_record(
         units=units,
         warnings=[f"{strategy}: {text}" for strategy, record in records.items() for text in record.warnings],
         assumptions=_all_assumptions(records),
-        pictures=[
+        pictures=lambda: [
             Picture(
                 PICTURE,
                 lambda: _figure({strategy: steps for strategy, (steps, _) in runs.items()}, unit, units),

@@ -256,7 +256,7 @@ def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Re
             *run.notices,
             *(f"{key.capitalize()}: " + summary[key] for key in ("certainty", "source") if summary[key]),
         ],
-        pictures=pictures,
+        pictures=lambda: pictures,
     )
 
 
@@ -279,7 +279,7 @@ def profiles_record(runs: Sequence[ProfileRun], command: str, units: Units = "me
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
         units=units,
         notes=_notes(runs),
-        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
+        pictures=lambda: [Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN)],
         files=lambda: {TABLE: columns((title, kind, *chosen, *MEASURES), runs, units).to_csv},
     )
 
@@ -343,7 +343,7 @@ def folder_record(folder: ProfileFolder, name: str, command: str, units: Units =
         again=Again(command, files=f"The table is in `{TABLE}`, the notices on each file also in `{BATCH_SUMMARY}`."),
         units=units,
         warnings=folder.refused,
-        pictures=[
+        pictures=lambda: [
             Picture(OVERLAY, lambda: overlay_figure(runs, units), OVERLAY_SHOWN),
             *(picture for kind in KINDS for picture in _joined_pictures(rows, kind, units)),
         ],

@@ -205,7 +205,7 @@ def geometry_record(run: GeometryRun, command: str) -> Report:
         facts=[*facts, *_conicity_facts(run)],
         results=_results(run),
         assumptions=ASSUMPTIONS,
-        pictures=[
+        pictures=lambda: [
             Picture("contact_locus.png", lambda: locus_figure(run), f"{LOCUS_SHOWN}."),
             Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}."),
         ],
@@ -233,7 +233,7 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Report:
         message="",
         results=table_of("Pairs of profiles", runs, [PAIR_QUANTITIES[at] for at in (0, 1, 2, 4, 7, 8)], units=units),
         assumptions=ASSUMPTIONS,
-        pictures=[
+        pictures=lambda: [
             Picture(
                 "geometries.png",
                 lambda: pairs_figure(runs),
@@ -265,7 +265,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         else "without a conicity at 3 mm, see the notes",
         facts=_conicity_facts(run),
         results=table_across("Conicity", ("value",), [run], (middle, *CONICITY_QUANTITIES), units=units),
-        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],
+        pictures=lambda: [Picture(CONICITY_PICTURE, lambda: conicity_figure(run, units), f"{CONICITY_SHOWN}.")],
         files=lambda: {CONICITY: run.conicities.table.in_units(units).to_csv},
     )
 

@@ -1,20 +1,31 @@
-"""What the interactive pictures of the pages show: parts of wheelsets, bodies, sections."""
+"""Fields and load steps for pictures and files, and what the interactive pictures of the pages show."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.cases.section_run import SectionRun
-from flangeway.contact import LoadStep
+from flangeway.contact import ContactSolution, ContactState, LoadStep
 from flangeway.formats import write_vtu
-from flangeway.post import Stresses, shear_stresses
+from flangeway.mesh import PolyMesh
+from flangeway.post import Stresses, cell_stresses, shear_stresses
+from flangeway.problems import ElasticField
 from flangeway.railway.wheelset.plane_patch import WheelRailPatch
-from flangeway.report.figures.display import ShownCells, field_arrays, placed_stresses, shown_cells
-from flangeway.report.figures.drawing import load_steps
-from flangeway.report.section_figures import warping_about_shear_centre
+from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
+from flangeway.report.figures.display import (
+    ShownCells,
+    field_arrays,
+    placed_stresses,
+    shown_cells,
+    solution_frame,
+    write_frame,
+)
+from flangeway.report.page.record import SummaryTable
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
 from flangeway.types import Floats
@@ -106,6 +117,65 @@ def evenly(n: int, most: int) -> list[int]:
     """Numbers of some of n steps, the last among them."""
     chosen: list[int] = np.rint(np.linspace(n - 1, 0, max(min(n, most), 1))).astype(int).tolist()
     return chosen[::-1]
+
+
+def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
+    """Name and state of each load step, and where it ended without success."""
+    steps: list[tuple[str, ContactState]] = []
+    legs = any(step.share > 1.0 for step in contact.steps)
+    for step in contact.steps:
+        leg = max(math.ceil(step.share), 1)
+        name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
+        steps.append((name, step.state))
+    if not contact.status.converged:
+        steps.append(("not converged", contact.state))
+    return steps
+
+
+def steps_table(contact: ContactSolution) -> SummaryTable:
+    """Iterations, last errors and constraints under force of each load step."""
+    rows = []
+    for name, state in load_steps(contact):
+        last = state.history[-1] if state.history else None
+        errors = ("–", "–", "–") if last is None else (
+            f"{last.residual:.1e}", f"{last.change:.1e}", f"{last.n_active}"
+        )  # fmt: skip
+        rows.append((name, f"{len(state.history)}", *errors))
+    header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
+    return SummaryTable("Load steps", header, tuple(rows))
+
+
+# --- Displacements and stresses of the parts in the axes of space, for pictures and files.
+
+
+def part_fields(result: WheelsetResult) -> Iterator[ShownPart]:
+    """Parts at their final places in space, left side first, wheels before rails; mirrored parts are mirrored.
+
+    The displacements of the points are elastic, the stresses are means over the cells, both in the axes of space. The
+    rigid motion of a wheel since the first touch of wheels and rails is its approach.
+    """
+    touches = result.model.placements(result.model.rigid_position)
+    at_touch = {part.name: point for part, point in zip(result.model.system.parts, touches, strict=True)}
+    for name, part in result.model.parts.items():
+        placement, mesh = result.placements[name], part.body.space.mesh
+        displacement = result.displacements[name]
+        moved = placement.vectors(displacement[: mesh.n_points])
+        stresses = placed_stresses(cell_stresses(part.body.elasticity, displacement), placement)
+        placed, touch = mesh.placed(placement), at_touch[name].points(mesh.points)
+        arrays = {DISPLACEMENT: moved}, {"stresses": stresses.components}
+        yield ShownPart(name, placed, *arrays, side=name.rpartition("-")[2], approach=placed.points - touch)
+
+
+def write_part(path: Path, result: WheelsetResult, name: str) -> None:
+    """Write one part at its final position in space; the arrays are those of `field_arrays`.
+
+    Displacements are elastic: a wheel's rigid displacement is in its position, so "Warp By Vector" with factor 1 shows
+    the parts as they touch.
+    """
+    body, displacement = result.model.parts[name].body, result.displacements[name]
+    field = ElasticField(body.elasticity, displacement)
+    frame = solution_frame(field, part=name, unit="MPa", length_unit="mm", placement=result.placements[name])
+    write_frame(path, frame, list(result.model.parts).index(name))
 
 
 # --- What the interactive pictures of the pages show: parts of wheelsets, bodies, sections.
@@ -244,3 +314,21 @@ def section_arrays(run: SectionRun) -> tuple[dict[str, Floats], dict[str, Floats
         f"prandtl_{unit}2": prandtl.function[: mesh.n_points] / prandtl.problem.mean_modulus,
     }
     return points, {f"shear_stress_per_torque_per_{unit}3": shear_stresses(prandtl) / prandtl.torsional_rigidity}
+
+
+def warping_about_shear_centre(run: SectionRun) -> Floats:
+    """Warping at the mesh's points about Trefftz's shear centre, per rate of twist, shape (n_points,)."""
+    mesh, solution = run.space.mesh, run.constants.warping
+    centre = solution.problem.centre
+    ray = np.array(run.constants.shear_centre_trefftz) - centre
+    x, y = (mesh.points - centre).T
+    values: Floats = solution.function[: mesh.n_points] - ray[1] * x + ray[0] * y
+    return values
+
+
+def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
+    """Return the number of each cell's part, shape (n_cells,)."""
+    part = np.zeros(mesh.n_cells, dtype=np.int32)
+    for number, cells in enumerate(mesh.cell_sets.values()):
+        part[cells] = number
+    return part

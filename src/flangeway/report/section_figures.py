@@ -1,6 +1,8 @@
 """Pictures of a cross-section: mesh with its centres, warping, Prandtl's function, shear stress."""
 
 import textwrap
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,10 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from flangeway.cases.section_run import SectionRun
-from flangeway.geometry.arrays import extent, norms
+from flangeway.geometry.arrays import extent, framed, norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.post import corner_shear_stresses, shear_stresses
@@ -24,11 +25,12 @@ from flangeway.report.figures.drawing import (
     draw_lines,
     equal_axes,
     fill_triangles,
-    framed,
     legend_below,
     new_figure,
     shade_of,
 )
+from flangeway.report.page.record import Picture
+from flangeway.report.scenes import part_numbers, warping_about_shear_centre
 from flangeway.types import Floats, Ints
 from flangeway.units import Units
 
@@ -118,16 +120,6 @@ def _fans(mesh: PolyMesh) -> Ints:
     return np.vstack(fans)
 
 
-def warping_about_shear_centre(run: SectionRun) -> Floats:
-    """Warping at the mesh's points about Trefftz's shear centre, per rate of twist, shape (n_points,)."""
-    mesh, solution = run.space.mesh, run.constants.warping
-    centre = solution.problem.centre
-    ray = np.array(run.constants.shear_centre_trefftz) - centre
-    x, y = (mesh.points - centre).T
-    values: Floats = solution.function[: mesh.n_points] - ray[1] * x + ray[0] * y
-    return values
-
-
 def _contours(run: SectionRun, values: Floats, title: str, units: Units) -> Figure:
     """Draw values at the points of the mesh (n_points,) with lines of equal value; dashed ones are negative."""
     mesh = run.space.mesh
@@ -169,16 +161,23 @@ def _outline(axes: Axes, mesh: PolyMesh) -> None:
     draw_lines(axes, mesh.points[mesh.edges[between]], GREY, 1.2)
 
 
-def part_numbers(mesh: PolyMesh) -> NDArray[np.int32]:
-    """Return the number of each cell's part, shape (n_cells,)."""
-    part = np.zeros(mesh.n_cells, dtype=np.int32)
-    for number, cells in enumerate(mesh.cell_sets.values()):
-        part[cells] = number
-    return part
-
-
 def _spread(mesh: PolyMesh) -> Ints:
     """Return cells of which one lies in each square of a grid."""
     step = extent(mesh.points) / N_ARROWS
     _, first = np.unique(np.floor(mesh.cell_centroids / step), axis=0, return_index=True)
     return first.astype(np.int64)
+
+
+PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
+    "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
+    "warping.png": (warping_figure, "Warping about the shear centre per rate of twist, with contour lines"),
+    "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
+    "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
+}
+"""Functions that draw the pictures, the most important first, and what they show, by the files' names."""
+
+
+def section_pictures(run: SectionRun) -> list[Picture]:
+    """Pictures of a section, the most important first."""
+    draws = PICTURES.items()
+    return [Picture(name, partial(draw, run, run.case.units), f"{words}.") for name, (draw, words) in draws]

@@ -1,13 +1,11 @@
 """Report, files and terminal summary of a section under torsion."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-from matplotlib.figure import Figure
 
 from flangeway.cases.case_file import write_case_file
 from flangeway.cases.section_run import STEEL_KG_M3, SectionRun
@@ -16,14 +14,7 @@ from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
 from flangeway.report.page.html_page import inputs_tables
 from flangeway.report.page.record import Again, Picture, Report, SummaryTable, fact, rows_of
-from flangeway.report.scenes import section_arrays, section_scene
-from flangeway.report.section_figures import (
-    mesh_figure,
-    part_numbers,
-    prandtl_figure,
-    shear_figure,
-    warping_figure,
-)
+from flangeway.report.scenes import part_numbers, section_arrays, section_scene
 from flangeway.units import Units
 
 SUMMARY, FIELDS = "section.json", "section.vtu"
@@ -77,12 +68,18 @@ def section_record(run: SectionRun, command: str, summary_file: str = SUMMARY) -
         ],
         assumptions=ASSUMPTIONS,
         scene=lambda: section_scene(run),
-        pictures=[Picture(name, partial(draw, run, units), f"{words}.") for name, (draw, words) in PICTURES.items()],
+        pictures=lambda: _pictures(run),
         axes=AXES,
         inputs=inputs_tables(case),
         timings_s=numbers["timings_s"],
         files=lambda: {FIELDS: partial(_write_fields, run)},
     )
+
+
+def _pictures(run: SectionRun) -> Sequence[Picture]:
+    from flangeway.report.section_figures import section_pictures  # noqa: PLC0415 (it loads Matplotlib)
+
+    return section_pictures(run)
 
 
 FACTS = (
@@ -150,15 +147,6 @@ def weights_sentences(summary: Mapping[str, Any]) -> list[str]:
             f"{weights['reference_shear_modulus_MPa']:.6g} MPa."
         )
     ]
-
-
-PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
-    "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
-    "warping.png": (warping_figure, "Warping about the shear centre per rate of twist, with contour lines"),
-    "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
-    "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
-}
-"""Functions that draw the pictures, the most important first, and what they show, by the files' names."""
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:

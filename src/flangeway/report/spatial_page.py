@@ -1,11 +1,10 @@
 """Files, report and terminal summary of two bodies in contact in three dimensions."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from flangeway.cases.patch_quantities import AXES as SEMI_AXES
 from flangeway.cases.patch_quantities import MAX_PRESSURE
@@ -15,42 +14,22 @@ from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.report.figures.display import collection
-from flangeway.report.figures.drawing import named, panels
 from flangeway.report.page.html_page import run_record
-from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across, with_whole
-from flangeway.report.patch_maps import PatchMap, at_corners, draw_depths, maps_figure, strip_mesh
+from flangeway.report.page.record import (
+    Picture,
+    Report,
+    SummaryTable,
+    fact,
+    named,
+    rows_of,
+    table_across,
+    with_whole,
+)
+from flangeway.report.patch_maps import at_corners, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
 
-
-def patch_figure(run: SpatialRun) -> Figure:
-    """Draw the pressures from above, y towards the reader, with the outline of the patches and Hertz's ellipses."""
-    return maps_figure([_map(run)], "length along the surface, across z", "z", run.case.units)[0]
-
-
-def depth_figure(run: SpatialRun) -> Figure:
-    """Draw the stresses below the centre of the first patch in both bodies over the depth."""
-    figure, (both,) = panels(9.0, 4.6, 1, 2, run.case.units)
-    pair = run.contact.pair
-    for axes, body, profile in zip(both, (pair.first, pair.second), run.profiles, strict=True):
-        draw_depths(axes, profile)
-        axes.set_title(body.name, fontsize=10)
-        axes.set_ylim(float(run.profiles[0].depths[-1]), 0.0)
-    both[0].legend(loc="lower left", fontsize=8)
-    return figure
-
-
-def _map(run: SpatialRun) -> PatchMap:
-    """Patches with the first one's centre at zero."""
-    contact = run.contact
-    return PatchMap(contact.cells, contact.patches, contact.patches[0].station)
-
-
-PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
-    "patch.png": (patch_figure, "The pressure from above, with the outline of the patch and Hertz's ellipse"),
-    "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
-}
 SURFACE = "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
 PATCH_VIEW_WIDTH = 6.0
@@ -86,6 +65,12 @@ def _mesh(section: SectionStresses) -> PolyMesh:
     return section.body.problem.elasticity.space.mesh.placed(section.body.placement)
 
 
+def _pictures(run: SpatialRun) -> Sequence[Picture]:
+    from flangeway.report.spatial_figures import spatial_pictures  # noqa: PLC0415 (it loads Matplotlib)
+
+    return spatial_pictures(run)
+
+
 def spatial_record(run: SpatialRun) -> Report:
     """Return what a run of two bodies in contact in three dimensions found."""
     corners = cache(lambda: [section.corners() for section in run.sections])
@@ -113,7 +98,7 @@ def spatial_record(run: SpatialRun) -> Report:
             "Hertz's values are those of half-spaces for the same force and the curvatures of the gap under pressure.",
         ],
         scene=lambda: _scene(run, corners()),
-        pictures=[Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in PICTURES.items()],
+        pictures=lambda: _pictures(run),
         tables=[table_across("Bodies, and stresses below the first patch", names, run.bodies, BODY, units=units)],
         axes=AXES,
         files=lambda: _files(run, corners()),

@@ -205,6 +205,11 @@ class Wheelset(WheelsetProblem, RunnableCase):
                 for side in SIDES:
                     self.rolling.law(self.friction_of(side))
 
+    def check_sections(self) -> None:
+        """See `RunnableCase.check_sections`."""
+        if isinstance(self.contact, Plane):
+            super().check_sections()
+
     def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         start = time.perf_counter()

@@ -1,8 +1,6 @@
 """What all pictures share, and the convergence of Newton's method as a figure."""
 
 import io
-import math
-import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -23,10 +21,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from PIL import Image
 
-from flangeway.contact import ContactSolution, ContactState
-from flangeway.geometry.arrays import extent
+from flangeway.contact import ContactState
 from flangeway.mesh import PolyMesh
-from flangeway.report.page.record import SummaryTable
 from flangeway.types import Floats, Ints
 from flangeway.units import Units, UsUnit, us_unit
 
@@ -52,7 +48,6 @@ Style = dict[str, Any]
 NODES: Style = {"lw": 1.0, "marker": "o", "ms": 3.0, "mfc": "white"}
 HERTZ: Style = {"lw": 1.6, "ls": "--", "zorder": 1}
 """NODES, HERTZ: lines of computed values at nodes or cells, and of Hertz's theory."""
-POWERS = str.maketrans("23", "²³")
 HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -208,41 +203,6 @@ def sequence_colours(number: int) -> NDArray[np.float64]:
     return np.asarray(mpl.colormaps["viridis"](np.linspace(0.0, 0.88, max(number, 2))[:number]))
 
 
-QUANTITIES = {
-    "head_lateral_mm": "railhead lateral displacement",
-    "head_vertical_mm": "top of the head, up",
-    "head_roll_mrad": "roll of the head",
-    "gauge_outward_mm": "gauge-face deflection (outwards)",
-    "lateral_mm": "lateral displacement to the right",
-    "lateral_over_vertical": "L/V",
-    "semi_axes_a_mm": "semi-axis a",
-    "semi_axes_b_mm": "semi-axis b",
-    "max_pressure_MPa": "maximum pressure",
-    "n_patches": "number of patches",
-    "angle_deg": "orientation of the major axis",
-    "rail_position_x_mm": "x on the rail",
-    "rail_position_y_mm": "y on the rail",
-    "wheel_position_x_mm": "x on the wheel",
-    "wheel_position_y_mm": "y on the wheel",
-    "vertical_mm": "vertical displacement, up",
-    "car_mass_t": "mass of the car",
-    "n_axles": "number of axles",
-    "size_scale": "factor on the sizes of the elements",
-}
-"""What keys mean whose words are not enough."""
-NAMES = {"von mises": "von Mises", "hertz": "Hertz", "lame ": "Lamé's ", "max ": "maximum "}
-UNIT = re.compile(r"_(km_h|mph|kip|lbf|ksi|ft|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
-
-
-def named(key: str) -> tuple[str, str]:
-    """Words for a key of inputs or results, names with their capitals, and its unit, empty without one."""
-    unit = UNIT.search(key)
-    words = QUANTITIES.get(key) or (key[: unit.start()] if unit else key).replace("_", " ")
-    for letters, name in NAMES.items():
-        words = words.replace(letters, name)
-    return words, unit[1].replace("_", "/").translate(POWERS) if unit else ""
-
-
 def shade_of(values: Floats, limits: tuple[float, float] | None = None) -> ScalarMappable:
     """Return the colours of values: dark where they are largest in size, blue to red where they change their sign.
 
@@ -278,41 +238,17 @@ def equal_axes(axes: Axes, corners: Floats, unit: str = "mm") -> None:
     name_axes(axes, ("x", unit), ("y", unit))
 
 
-def box(points: Sequence[Floats], margin: float) -> Floats:
-    """Return the corners (2, 2) of the box about all points, widened."""
-    every = np.vstack(points)
-    return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
-
-
-def framed(points: Floats, share: float) -> Floats:
-    """Return the box about points (n, 2), widened by a share of its longer side."""
-    return box([points], share * extent(points))
-
-
 def cells_path(mesh: PolyMesh, points: Floats, cells: NDArray[np.integer]) -> Path:
     """One path about each of some cells (n,), the points of the mesh being drawn at `points` (n_points, 2)."""
     polygons = [points[mesh.corners(cell)] for cell in cells]
     return Path.make_compound_path(*(Path(polygon, closed=False) for polygon in polygons))
 
 
-# --- Convergence: the Newton iterations of load steps as a figure and a table.
+# --- Convergence: the Newton iterations of load steps as a figure.
 
 
 MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
 ERRORS = {"residual": "residual relative to the total force", "change": "change relative to the maximum displacement"}
-
-
-def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
-    """Name and state of each load step, and where it ended without success."""
-    steps: list[tuple[str, ContactState]] = []
-    legs = any(step.share > 1.0 for step in contact.steps)
-    for step in contact.steps:
-        leg = max(math.ceil(step.share), 1)
-        name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
-        steps.append((name, step.state))
-    if not contact.status.converged:
-        steps.append(("not converged", contact.state))
-    return steps
 
 
 def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
@@ -332,16 +268,3 @@ def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
     axes.yaxis.set_major_formatter(power_of_ten)
     legend_below(figure, 2)
     return figure
-
-
-def steps_table(contact: ContactSolution) -> SummaryTable:
-    """Iterations, last errors and constraints under force of each load step."""
-    rows = []
-    for name, state in load_steps(contact):
-        last = state.history[-1] if state.history else None
-        errors = ("–", "–", "–") if last is None else (
-            f"{last.residual:.1e}", f"{last.change:.1e}", f"{last.n_active}"
-        )  # fmt: skip
-        rows.append((name, f"{len(state.history)}", *errors))
-    header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
-    return SummaryTable("Load steps", header, tuple(rows))

@@ -1,9 +1,8 @@
 """Pictures of meshes, fields, deformed shapes and stresses on cells of any shape and order."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial, singledispatch
-from pathlib import Path
 from typing import Any, Literal, TypeAlias, cast, get_args
 
 import numpy as np
@@ -18,7 +17,7 @@ from flangeway.exact import LineContact
 from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
-from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine, cell_stresses
+from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.quantities import measured
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
@@ -27,9 +26,6 @@ from flangeway.report.figures.display import (
     display,
     displayed_stresses,
     edge_weights,
-    placed_stresses,
-    solution_frame,
-    write_frame,
 )
 from flangeway.report.figures.drawing import (
     GREY,
@@ -44,14 +40,12 @@ from flangeway.report.figures.drawing import (
     fill_triangles,
     legend_below,
     name_axes,
-    named,
     new_figure,
     panels,
     shade_of,
     with_unit,
 )
-from flangeway.report.page.record import marked
-from flangeway.report.viewer.scene_model import DISPLACEMENT, ShownPart
+from flangeway.report.page.record import marked, named
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -193,27 +187,6 @@ def pressure_curves(
     return figure
 
 
-# --- Displacements and stresses of the parts in the axes of space, for pictures and files.
-
-
-def part_fields(result: WheelsetResult) -> Iterator[ShownPart]:
-    """Parts at their final places in space, left side first, wheels before rails; mirrored parts are mirrored.
-
-    The displacements of the points are elastic, the stresses are means over the cells, both in the axes of space. The
-    rigid motion of a wheel since the first touch of wheels and rails is its approach.
-    """
-    touches = result.model.placements(result.model.rigid_position)
-    at_touch = {part.name: point for part, point in zip(result.model.system.parts, touches, strict=True)}
-    for name, part in result.model.parts.items():
-        placement, mesh = result.placements[name], part.body.space.mesh
-        displacement = result.displacements[name]
-        moved = placement.vectors(displacement[: mesh.n_points])
-        stresses = placed_stresses(cell_stresses(part.body.elasticity, displacement), placement)
-        placed, touch = mesh.placed(placement), at_touch[name].points(mesh.points)
-        arrays = {DISPLACEMENT: moved}, {"stresses": stresses.components}
-        yield ShownPart(name, placed, *arrays, side=name.rpartition("-")[2], approach=placed.points - touch)
-
-
 def drawn_parts(result: WheelsetResult) -> dict[str, DrawnBody]:
     """Deformed wheels and rails by their names, where they are in the track."""
 
@@ -224,18 +197,6 @@ def drawn_parts(result: WheelsetResult) -> dict[str, DrawnBody]:
         name: DrawnBody(ElasticField(part.body.elasticity, result.displacements[name]), partial(placed, name))
         for name, part in result.model.parts.items()
     }
-
-
-def write_part(path: Path, result: WheelsetResult, name: str) -> None:
-    """Write one part at its final position in space; the arrays are those of `field_arrays`.
-
-    Displacements are elastic: a wheel's rigid displacement is in its position, so "Warp By Vector" with factor 1 shows
-    the parts as they touch.
-    """
-    body, displacement = result.model.parts[name].body, result.displacements[name]
-    field = ElasticField(body.elasticity, displacement)
-    frame = solution_frame(field, part=name, unit="MPa", length_unit="mm", placement=result.placements[name])
-    write_frame(path, frame, list(result.model.parts).index(name))
 
 
 # --- Pictures of meshes, fields, deformed shapes and stresses on cells of any shape and order.

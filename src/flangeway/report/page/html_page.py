@@ -24,7 +24,6 @@ from flangeway.cases.summary import RunResult, mapped, summary_text
 from flangeway.checks import is_number
 from flangeway.quantities import measured
 from flangeway.records import alternatives, are_tables, entries_of, records_in
-from flangeway.report.figures.drawing import png
 from flangeway.report.page.record import REPORT, Again, Picture, Report, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
 from flangeway.results import ResultTable
@@ -245,26 +244,31 @@ def write_record(
     *,
     pictures: bool = True,
     xlsx: bool = False,
+    whole_sections: bool = False,
 ) -> list[Path]:
     """Write all files of a record, the report and the summary last, together or not at all.
 
     - `pictures`: whether pictures are drawn.
     - `xlsx`: whether a workbook has the numbers of the summary and of all CSV files, a sheet each.
+    - `whole_sections`: whether files of whole sections are among them.
 
     It is an `InputError` if the folder cannot be written.
     """
     start = time.perf_counter()
     drawn: list[tuple[Picture, bytes]] = []
-    if record.pictures and pictures:
+    if pictures and (described := record.pictures()):
+        from flangeway.report.figures.drawing import png  # noqa: PLC0415 (it loads Matplotlib)
+
         progress("drawing the pictures")
-        drawn = [(picture, png(picture.draw())) for picture in record.pictures]
+        drawn = [(picture, png(picture.draw())) for picture in described]
     timings_s = (
         {**record.timings_s, "pictures": time.perf_counter() - start}
         if drawn and record.timings_s
         else record.timings_s
     )
     progress("writing the files")
-    writers = {picture.file: bytes_writer(data) for picture, data in drawn} | dict(record.files())
+    writers = {picture.file: bytes_writer(data) for picture, data in drawn}
+    writers |= record.with_sections() if whole_sections else record.files()
     if xlsx:
         summary = ResultTable.of_numbers(record.summary)
         rows = [[*summary.columns], *(_in_units(row, record.units) for row in summary.rows())]

@@ -1,10 +1,10 @@
 """What a command found, once: the terminal, the report and the JSON file show the same record with its tables."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from matplotlib.figure import Figure
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -13,6 +13,9 @@ from flangeway.quantities import Quantity
 from flangeway.report.viewer import Scene
 from flangeway.system.output_folder import Writer, versions
 from flangeway.units import Units
+
+if TYPE_CHECKING:  # drawing alone needs it, and loading it takes as long as the main job
+    from matplotlib.figure import Figure
 
 # --- Tables, and what all commands print alike: tables without a frame, how a run ended, notices, and the files.
 
@@ -117,6 +120,42 @@ def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 
+POWERS = str.maketrans("23", "²³")
+QUANTITIES = {
+    "head_lateral_mm": "railhead lateral displacement",
+    "head_vertical_mm": "top of the head, up",
+    "head_roll_mrad": "roll of the head",
+    "gauge_outward_mm": "gauge-face deflection (outwards)",
+    "lateral_mm": "lateral displacement to the right",
+    "lateral_over_vertical": "L/V",
+    "semi_axes_a_mm": "semi-axis a",
+    "semi_axes_b_mm": "semi-axis b",
+    "max_pressure_MPa": "maximum pressure",
+    "n_patches": "number of patches",
+    "angle_deg": "orientation of the major axis",
+    "rail_position_x_mm": "x on the rail",
+    "rail_position_y_mm": "y on the rail",
+    "wheel_position_x_mm": "x on the wheel",
+    "wheel_position_y_mm": "y on the wheel",
+    "vertical_mm": "vertical displacement, up",
+    "car_mass_t": "mass of the car",
+    "n_axles": "number of axles",
+    "size_scale": "factor on the sizes of the elements",
+}
+"""What keys mean whose words are not enough."""
+NAMES = {"von mises": "von Mises", "hertz": "Hertz", "lame ": "Lamé's ", "max ": "maximum "}
+UNIT = re.compile(r"_(km_h|mph|kip|lbf|ksi|ft|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
+
+
+def named(key: str) -> tuple[str, str]:
+    """Words for a key of inputs or results, names with their capitals, and its unit, empty without one."""
+    unit = UNIT.search(key)
+    words = QUANTITIES.get(key) or (key[: unit.start()] if unit else key).replace("_", " ")
+    for letters, name in NAMES.items():
+        words = words.replace(letters, name)
+    return words, unit[1].replace("_", "/").translate(POWERS) if unit else ""
+
+
 class About(str):
     """The text of a value that is approximate."""
 
@@ -172,12 +211,12 @@ class Picture:
     """A picture of the report, which is a file of its own as well; it is drawn when it is needed."""
 
     file: str  # name of the PNG file
-    draw: Callable[[], Figure]
+    draw: Callable[[], "Figure"]
     caption: str  # what it shows
     chapter: str = ""  # the section of the report that it is in, if not that of all pictures
 
 
-Figures: TypeAlias = dict[str, Callable[[], Figure]]
+Figures: TypeAlias = "dict[str, Callable[[], Figure]]"
 """Functions that draw pictures, by file name."""
 
 
@@ -215,13 +254,14 @@ class Report:
     notes: Sequence[str] = ()  # what was repaired, assumed or left out of what was given
     assumptions: Sequence[str] = ()  # sentences on the model
     scene: Callable[[], Scene] | None = None  # what the interactive picture shows
-    pictures: Sequence[Picture] = ()  # the most important first
+    pictures: Callable[[], Sequence[Picture]] = list  # the most important first
     tables: Sequence[SummaryTable] = ()  # further numbers
     chapters: Mapping[str, Sequence[SummaryTable]] = field(default_factory=dict)  # sections of their own
     axes: Mapping[str, str] = field(default_factory=dict)  # meanings of axes and signs by name
     inputs: Sequence[SummaryTable] = ()  # tables of inputs
     timings_s: Mapping[str, float] = field(default_factory=dict)  # seconds of each stage
     files: Callable[[], Mapping[str, Writer]] = dict  # functions that write further files, by their names
+    with_sections: Callable[[], Mapping[str, Writer]] = dict  # `files` with whole sections, where the case has some
 
     def __post_init__(self) -> None:
         """Add a note on what is metric where the units are not."""

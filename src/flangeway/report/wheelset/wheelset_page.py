@@ -1,11 +1,10 @@
 """Report, files and terminal summary of a wheelset, in three dimensions or in the plane."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.interpolate import RegularGridInterpolator
 
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
@@ -42,13 +41,11 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 from flangeway.mesh import PolyMesh
 from flangeway.quantities import Quantity, columns, measured, present
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
-from flangeway.railway.track.wheelset_problem import ROLES
+from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import REGIONS, RailAlongTrack
-from flangeway.railway.wheelset.whole_sections import whole_sections
+from flangeway.railway.wheelset.whole_sections import WholeSection, whole_sections
 from flangeway.report.figures.display import collection, write_contacts
-from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Style, name_axes, panels
-from flangeway.report.figures.plots import part_fields, write_part
 from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import (
     Picture,
@@ -61,20 +58,14 @@ from flangeway.report.page.record import (
     with_whole,
 )
 from flangeway.report.patch_maps import shown_fields, strip_mesh
-from flangeway.report.scenes import wheelset_scene
+from flangeway.report.scenes import part_fields, wheelset_scene, write_part
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
-from flangeway.report.wheelset.wheelset_patches import AXES as ROLLING_AXES
-from flangeway.report.wheelset.wheelset_patches import (
+from flangeway.report.wheelset.wheelset_files import (
     DIGITS,
     PARTS,
     below_table,
-    contact_figure,
+    foot_stresses,
     friction_fields,
-    nodes_figure,
-    patches_figure,
-    rolling_pictures,
-    section_figure,
-    stresses_figure,
     write_section,
     write_stresses,
     write_surface,
@@ -82,7 +73,7 @@ from flangeway.report.wheelset.wheelset_patches import (
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
-from flangeway.units import Units, us_unit
+from flangeway.units import Units
 
 # --- Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer.
 
@@ -208,56 +199,6 @@ def _with_coarse(fine: Floats, low: float, high: float) -> Floats:
 # --- Rails along the track: picture, table and CSV file.
 
 
-STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
-
-
-def _foot(rail: RailAlongTrack) -> Floats:
-    """Normal stress along the track in the middle of the base, MPa, shape (n_z,)."""
-    points = rail.stresses.points_mm
-    foot = np.flatnonzero(rail.stresses.regions == "foot")
-    lowest = foot[points[foot, 1] <= points[foot, 1].min() + 1e-6]
-    middle = lowest[np.argmin(np.abs(points[lowest, 0] - points[lowest, 0].mean()))]
-    stresses: Floats = rail.stresses.along_MPa[:, middle]
-    return stresses
-
-
-LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
-    ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
-    ("gauge face outwards", "mm", lambda rail: rail.gauge_outward_mm),
-    ("stress under the foot", "MPa", _foot),
-)
-"""What is drawn along the track, one panel each."""
-
-
-def rails_figure(run: WheelsetRun) -> Figure:
-    """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
-    rails, units = run.space.rails, run.case.units
-    figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
-    for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
-        for side, rail in rails.items():
-            style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
-            axes.plot(rail.z_mm / 1e3, values(rail), **style)
-        axes.axhline(0.0, color=GREY, lw=0.8)
-        name_axes(axes, y=(words, unit))
-    top = rows[0, 0]
-    top.invert_yaxis()
-    first = next(iter(rails.values()))
-    kip = us_unit("kN") if units == "us" else None
-    for number, z in enumerate(first.sleepers_mm):
-        if abs(z) <= np.abs(first.z_mm).max():
-            top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
-            seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
-            forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
-            words_at: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
-            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **words_at)
-    if len(first.sleepers_mm):
-        words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
-        top.set_title(words, fontsize=9, pad=16, loc="left")
-    top.legend(loc="lower right", fontsize=8)
-    name_axes(rows[-1, 0], ("z ahead of the axle", "m"))
-    return figure
-
-
 def rails_table(run: WheelsetRun) -> SummaryTable:
     """Return maxima of both rails, with the places of the stresses."""
     rails, units = run.space.rails, run.case.units
@@ -287,7 +228,7 @@ def rails_csv(run: WheelsetRun) -> str:
     names = "side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"
     rows = []
     for side, rail in run.space.rails.items():
-        table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, _foot(rail)))
+        table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, foot_stresses(rail)))
         rows += [(side, *row) for row in table.tolist()]
     columns = dict(zip(names.split(","), zip(*rows, strict=True), strict=True))
     return ResultTable(columns).in_units(run.case.units).csv(6)
@@ -296,56 +237,6 @@ def rails_csv(run: WheelsetRun) -> str:
 # --- Report, files and terminal summary of a wheelset, in three dimensions or in the plane.
 
 
-Described = tuple[str, Callable[[WheelsetRun], Figure], str]
-"""A picture: name of its file, what draws it, and its caption."""
-PICTURES: tuple[Described, ...] = (
-    (
-        "wheelset.png",
-        section_figure,
-        "The wheelset in the section through its axle. Violet: the maximum pressure of each position across the rail, "
-        "drawn into the rail along its normal. Arrows: forces on the wheels.",
-    ),
-    (
-        "patches.png",
-        patches_figure,
-        "The patches from above, the running surface rolled out flat: pressure, outline, and, where the curvatures "
-        "allow one, Hertz's ellipse for the same force (dashed).",
-    ),
-    (
-        "stresses.png",
-        stresses_figure,
-        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
-        "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
-        "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
-        "has the same.",
-    ),
-)
-RAILS_PICTURE: Described = (
-    "rails.png",
-    rails_figure,
-    "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
-    "foot's underside.",
-)
-PLANE_PICTURES: tuple[Described, ...] = (
-    (
-        "wheelset.png",
-        section_figure,
-        "The wheelset in section. Violet: the contact pressure, drawn into the rail. Arrows: forces on the wheels.",
-    ),
-    (
-        "stresses.png",
-        contact_figure,
-        "Von Mises stress about each contact, deformed, in one scale; stresses in web and foot of the rails are those "
-        "of a slice that carries the load alone and are not valid for a rail.",
-    ),
-    (
-        "pressure.png",
-        nodes_figure,
-        "Contact pressure along the surface: nodal forces divided by their areas, and Hertz's theory for the same "
-        "force and the profiles' radii at the contact, where the profiles are not conforming.",
-    ),
-)
-"""PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
 GIVEN = (
     *("wheelset.wheel", "track.rail", "load.axle_load_kN", "load.lateral_force_kN"),
     *("load.curve.radius_m", "load.curve.speed_km_h", "load.curve.superelevation_mm", "rolling.friction"),
@@ -359,9 +250,9 @@ PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
-    "and gaps on the running surfaces, displacements and stresses of whole sections through the patches, and stresses "
-    "in the volumes below the patches, in "
-    "`wheelset.pvd`, which ParaView opens with both rails and wheels."
+    "and gaps on the running surfaces, and stresses in the volumes below the patches, in `wheelset.pvd`, which "
+    "ParaView opens with both rails and wheels; with `--whole-sections` also displacements and stresses of whole "
+    "sections through the patches."
 )
 PLANE_FILES = (
     "The same numbers, for programs, are in `summary.json`; the fields are in `wheelset.pvd`, which ParaView opens "
@@ -383,6 +274,12 @@ TRACK_AXES = {
     "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
     "L/V": "ratio of the lateral to the vertical force of a wheel, positive where it pushes its rail outwards",
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
+}
+ROLLING_AXES = {
+    "creepage": "and creep force: of the wheel on the rail: ahead, and along the rail's surface to the right; spin "
+    "and its moment counter-clockwise seen from above",
+    "T-gamma": "energy that friction dissipates per distance rolled: its power divided by the speed; N is J/m. Without "
+    "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
 }
 AXES = TRACK_AXES | {
     "a, b": "longer and shorter semi-axis of the ellipse with the same second moments of pressure as Hertz's",
@@ -406,6 +303,7 @@ def wheelset_record(run: WheelsetRun) -> Report:
         "warnings": run.warnings,
         "assumptions": run.case.assumptions(run.result),
         "tables": _tables(run),
+        "pictures": lambda: _pictures(run),
     }
     if run.in_space is None:
         return run_record(
@@ -414,14 +312,11 @@ def wheelset_record(run: WheelsetRun) -> Report:
             GIVEN[:4],
             subtitle=f"{_what(run)}; plane strain, {run.problem.plane.thickness_mm:.4g} mm of length; {_method(run)}",
             scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
-            pictures=_pictures(run, PLANE_PICTURES[: None if run.patches else 1]),
             axes=TRACK_AXES,
             files=lambda: _plane_files(run),
             **shared,
         )
     rolls = bool(run.space.rolling)
-    # a search that found no equilibrium has no patches
-    described = [*PICTURES[: None if run.space.patches else 1], *([RAILS_PICTURE] if run.space.rails else [])]
     return run_record(
         run,
         FILES,
@@ -429,16 +324,18 @@ def wheelset_record(run: WheelsetRun) -> Report:
         [key for key in GIVEN if key != "load.lateral_force_kN" or run.case.load.curve is None],
         subtitle=_what(run),
         scene=lambda: pressure_scene(run),
-        pictures=[*_pictures(run, described), *rolling_pictures(run)],
         chapters={"Rolling": _rolling_tables(run)} if rolls else {},
         axes=AXES | (ROLLING_AXES if rolls else {}),
-        files=lambda: _files(run),
+        files=lambda: _files(run, {}),
+        with_sections=lambda: _files(run, {role: whole_sections(run.space, role) for role in ROLES}),
         **shared,
     )
 
 
-def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
-    return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]
+def _pictures(run: WheelsetRun) -> Sequence[Picture]:
+    from flangeway.report.wheelset.wheelset_figures import wheelset_pictures  # noqa: PLC0415 (it loads Matplotlib)
+
+    return wheelset_pictures(run)
 
 
 def _what(run: WheelsetRun) -> str:
@@ -546,16 +443,16 @@ def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
     ]
 
 
-def _files(run: WheelsetRun) -> dict[str, Writer]:
+def _files(run: WheelsetRun, sections: Mapping[Role, Mapping[Side, WholeSection]]) -> dict[str, Writer]:
     """Return functions that write surfaces and tables, by the files' names."""
     writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.space.patches, run.case.units).csv(DIGITS))}
     if run.space.rails:
         writers[RAILS] = text_writer(rails_csv(run))
-    sections, loaded = {role: whole_sections(run.space, role) for role in ROLES}, {p.side for p in run.space.patches}
+    loaded = {patch.side for patch in run.space.patches}
     for side, role in PARTS:
         name = f"{role}-{side}.vtu"
         writers[name] = partial(write_surface, run.space, side, role)
-        if side in sections[role]:
+        if side in sections.get(role, {}):
             writers[f"section-{name}"] = partial(write_section, sections[role][side], side, role)
         if side in loaded:
             writers[f"stresses-{name}"] = partial(write_stresses, run.space, side, role)

@@ -1,7 +1,7 @@
-"""Pictures of a wheelset and its patches, standing or rolling, and the files of its running surfaces."""
+"""Pictures of a wheelset and its patches, standing or rolling."""
 
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,26 +10,22 @@ from matplotlib.patches import Polygon
 
 from flangeway.cases.wheelset.wheelset_case import WheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
-from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.geometry import Placement
-from flangeway.mesh import PolyMesh
+from flangeway.geometry.arrays import box
 from flangeway.quantities import measured
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
-from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
-from flangeway.railway.wheelset.side_contact import FAR_MM, SideState, wheel_gap
 from flangeway.railway.wheelset.spatial_result import SpatialResult
-from flangeway.railway.wheelset.wheel_patch import WheelPatch
+from flangeway.railway.wheelset.supported_rail import RailAlongTrack
 from flangeway.railway.wheelset.wheelset_model import SUPPORT
-from flangeway.railway.wheelset.whole_sections import WholeSection
 from flangeway.report.figures.drawing import (
     COLOURS,
     GREY,
     HALO,
     INK,
     PURPLE,
+    SIDE_COLOURS,
     Style,
-    box,
     colour_bar,
     equal_axes,
     name_axes,
@@ -40,19 +36,11 @@ from flangeway.report.figures.drawing import (
 )
 from flangeway.report.figures.plots import drawn_parts, pressure_curves, stress_panels
 from flangeway.report.page.record import Figures, Picture
-from flangeway.report.patch_maps import (
-    PatchMap,
-    ShownRolling,
-    at_corners,
-    cell_fields,
-    draw_depths,
-    maps_figure,
-    rolling_figure,
-    shakedown_figure,
-    strip_mesh,
-)
-from flangeway.results import ResultTable
-from flangeway.types import Bools, Floats
+from flangeway.report.patch_figures import draw_depths, maps_figure, rolling_figure, shakedown_figure
+from flangeway.report.patch_maps import ShownRolling
+from flangeway.report.wheelset.wheelset_files import foot_stresses, lines_below, patch_map
+from flangeway.types import Floats
+from flangeway.units import us_unit
 
 # --- Pictures of a wheelset: its section with the pressures; in three dimensions its patches and the stresses below.
 
@@ -70,17 +58,6 @@ ORDINATE_MM, ARROW_MM = 14.0, 24.0
 """Of the maximum pressure in the section, and of forces."""
 WINDOW = 2.2
 """Half width of what is shown of stresses about a plane contact, in half widths of the contact."""
-
-
-def patch_map(result: SpatialResult, side: Side) -> PatchMap:
-    """Patches of a side from above, right of the track to the right; lengths from the middle of the rail's profile."""
-    state = result.equilibrium.state.sides[side]
-    surfaces = state.grid.surfaces
-    arcs, stations = surfaces.rail_stations.T
-    at = surfaces.rail.at(arcs)
-    middle = surfaces.rail_frame.inverse().points(np.stack((at.x, at.y), axis=1))[:, 0]
-    patches = [patch for patch in result.patches if patch.side == side]
-    return PatchMap(state.cells, patches, float(np.interp(0.0, middle, stations)), SIDE_SIGN[side])
 
 
 def section_figure(run: WheelsetRun) -> Figure:
@@ -199,13 +176,6 @@ def patches_figure(run: WheelsetRun) -> Figure:
     return figure
 
 
-def lines_below(result: SpatialResult) -> list[tuple[WheelPatch, Role]]:
-    """Patches and the bodies below them whose stresses differ: rail and wheel have the same in one material."""
-    ratios = {role: result.problem.material_of(role).poisson for role in ROLES}
-    roles: tuple[Role, ...] = ("rail",) if len(set(ratios.values())) == 1 else ROLES[::-1]
-    return [(patch, role) for patch in result.patches for role in roles]
-
-
 def stresses_figure(run: WheelsetRun) -> Figure:
     """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
     lines, units = lines_below(run.space), run.case.units
@@ -254,12 +224,6 @@ CAPTIONS = {
     SHAKEDOWN: "Maximum pressure over the shear strength and traction coefficient of each patch, among the limits of "
     "a circular patch and of a line contact. Above the highest limit steel yields under each wheel.",
 }
-AXES = {
-    "creepage": "and creep force: of the wheel on the rail: ahead, and along the rail's surface to the right; spin "
-    "and its moment counter-clockwise seen from above",
-    "T-gamma": "energy that friction dissipates per distance rolled: its power divided by the speed; N is J/m. Without "
-    "and with spin: creep forces times creepages at the centre of the patch, and spin moment times spin",
-}
 
 
 def rolling_pictures(run: WheelsetRun) -> list[Picture]:
@@ -282,123 +246,111 @@ def rolling_pictures(run: WheelsetRun) -> list[Picture]:
     return [Picture(name, draw, CAPTIONS[name], chapter="Rolling") for name, draw in figures.items()]
 
 
-# --- Files of a wheelset in three dimensions: surfaces and sections for ParaView, patches and lines below as tables.
+# --- Rails along the track, and which pictures a wheelset has.
 
 
-PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
-DIGITS = 6
-DEPTH = 2.0
-"""Depth of the stresses that are written relative to the shorter semi-axis: deeper, normals of a gauge corner cross."""
+STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
 
 
-def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
-    """Write pressure and gap on the running surface of a rail, or where the wheel is opposite to it.
-
-    The points are in the track's axes, z ahead of the axle: the rail's as it is bent, the wheel's in its place, both
-    without the indentation at the contact. The gap is nan where no wheel is opposite. With friction also the tractions
-    on this body, the slip velocity of the wheel, the frictional power per area, and the state: 0 no contact,
-    1 sticks, 2 slips.
-    """
-    state = result.equilibrium.state.sides[side]
-    nodes, z = state.grid.grid.bounds, state.grid.grid.strip_bounds
-    mesh = strip_mesh(nodes, z)
-    on_rail, on_wheel, met = _corners(state, nodes, z)
-    positions = on_wheel if role == "wheel" else on_rail
-    positions[..., 0] *= SIDE_SIGN[side]
-    corners = mesh.cell_points.reshape(-1, 4)
-    opposite = met.ravel()[corners].all(axis=1)
-    chosen = opposite if role == "wheel" else np.ones_like(opposite)
-    used, numbers = np.unique(corners[chosen], return_inverse=True)
-    mesh = PolyMesh.from_cells(mesh.points[used], numbers.reshape(-1, 4))
-    gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
-    values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | friction_fields(result, side, role)
-    arrays = {key: values[np.repeat(chosen, 4)] for key, values in at_corners(values).items()}
-    write_vtu(
-        path, mesh, corner_data=arrays, positions=positions.reshape(-1, 3)[used], body_id=PARTS.index((side, role))
-    )
+LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
+    ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
+    ("gauge face outwards", "mm", lambda rail: rail.gauge_outward_mm),
+    ("stress under the foot", "MPa", foot_stresses),
+)
+"""What is drawn along the track, one panel each."""
 
 
-def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> None:
-    """Write displacement and stresses of a whole section of a body, each cell with points of its own.
-
-    A rail is drawn unloaded, a wheel in its place: "Warp By Vector" shows them as they touch.
-    """
-    arrays = {
-        "displacement_mm": section.displacement[section.mesh.cell_points],
-        "stress_MPa": section.stresses.components,
-        "von_mises_MPa": section.stresses.von_mises,
-    }
-    number = PARTS.index((side, role))
-    write_vtu(path, section.mesh, corner_data=arrays, positions=section.positions, body_id=number)
-
-
-def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
-    """Write the stresses in the volumes below the patches of a body, of a half-space under the tractions of all cells.
-
-    The points are in the track's axes; components of the stress are those across (x), normal to the surface (y) and
-    along the track (z) at each patch.
-    """
-    stress_fields = [(patch, patch.stress_fields[role]) for patch in result.patches if patch.side == side]
-    grids: list[Floats] = []
-    stresses: list[Floats] = []
-    mises: list[Floats] = []
-    for patch, field in stress_fields:
-        # beyond the last cells the surface has no points of its own
-        low, high = patch.state.grid.grid.stations[[0, -1]]
-        shown = np.ix_(field.depths <= DEPTH * patch.semi_axes[1], (field.along >= low) & (field.along <= high))
-        depths, along, z = np.meshgrid(
-            field.depths[shown[0].ravel()], field.along[shown[1].ravel()], field.z, indexing="ij"
-        )
-        grids.append(patch.points_below(role, along.ravel(), depths.ravel(), z.ravel()).reshape(*z.shape, 3))
-        stresses.append(field.components[shown])
-        mises.append(field.von_mises[shown])
-    # seven digits are enough for stresses, and halve the files
-    arrays = {
-        name: [part.astype(np.float32) for part in parts]
-        for name, parts in (("stress_MPa", stresses), ("von_mises_MPa", mises))
-    }
-    write_vtu_grids(path, grids, arrays, body_id=PARTS.index((side, role)))
+def rails_figure(run: WheelsetRun) -> Figure:
+    """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
+    rails, units = run.space.rails, run.case.units
+    figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
+    for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
+        for side, rail in rails.items():
+            style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
+            axes.plot(rail.z_mm / 1e3, values(rail), **style)
+        axes.axhline(0.0, color=GREY, lw=0.8)
+        name_axes(axes, y=(words, unit))
+    top = rows[0, 0]
+    top.invert_yaxis()
+    first = next(iter(rails.values()))
+    kip = us_unit("kN") if units == "us" else None
+    for number, z in enumerate(first.sleepers_mm):
+        if abs(z) <= np.abs(first.z_mm).max():
+            top.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
+            seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
+            forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
+            words_at: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **words_at)
+    if len(first.sleepers_mm):
+        words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
+        top.set_title(words, fontsize=9, pad=16, loc="left")
+    top.legend(loc="lower right", fontsize=8)
+    name_axes(rows[-1, 0], ("z ahead of the axle", "m"))
+    return figure
 
 
-def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
-    """Arrays of friction on the cells of a side, (n, n_z) or vectors (n, n_z, 3); none without it."""
-    state, total = result.equilibrium.state.sides[side], dict[str, Floats]()
-    # directions t (across) and z of the cells in the track's axes
-    axes = np.zeros((len(state.normals), 2, 3))
-    axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
-    axes[:, 1, 2] = 1.0
-    for patch, creep in result.rolling:
-        if creep.cells is None:
-            continue
-        for name, values in cell_fields(creep.cells, creep.speed).items():
-            here = patch.side == side
-            whole = patch.on_side(creep, values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
-            if values.ndim > 2:
-                whole = np.einsum("nma,nax->nmx", whole, axes)
-            total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
-    return total
+Described = tuple[str, Callable[[WheelsetRun], Figure], str]
+"""A picture: name of its file, what draws it, and its caption."""
+PICTURES: tuple[Described, ...] = (
+    (
+        "wheelset.png",
+        section_figure,
+        "The wheelset in the section through its axle. Violet: the maximum pressure of each position across the rail, "
+        "drawn into the rail along its normal. Arrows: forces on the wheels.",
+    ),
+    (
+        "patches.png",
+        patches_figure,
+        "The patches from above, the running surface rolled out flat: pressure, outline, and, where the curvatures "
+        "allow one, Hertz's ellipse for the same force (dashed).",
+    ),
+    (
+        "stresses.png",
+        stresses_figure,
+        "The von Mises stress below each patch, across and along the track through its maximum (+), and stresses on "
+        "the normal there: x along the surface across the track, y along the normal, z along the track; of a "
+        "half-space under the tractions of all cells. Bodies of one material: the rail's; without friction the wheel "
+        "has the same.",
+    ),
+)
+RAILS_PICTURE: Described = (
+    "rails.png",
+    rails_figure,
+    "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
+    "foot's underside.",
+)
+PLANE_PICTURES: tuple[Described, ...] = (
+    (
+        "wheelset.png",
+        section_figure,
+        "The wheelset in section. Violet: the contact pressure, drawn into the rail. Arrows: forces on the wheels.",
+    ),
+    (
+        "stresses.png",
+        contact_figure,
+        "Von Mises stress about each contact, deformed, in one scale; stresses in web and foot of the rails are those "
+        "of a slice that carries the load alone and are not valid for a rail.",
+    ),
+    (
+        "pressure.png",
+        nodes_figure,
+        "Contact pressure along the surface: nodal forces divided by their areas, and Hertz's theory for the same "
+        "force and the profiles' radii at the contact, where the profiles are not conforming.",
+    ),
+)
+"""PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
 
 
-def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats, Bools]:
-    """Points of rail and wheel at the corners of cells, each (k, m, 3), and where the wheel is opposite, (k, m)."""
-    surfaces, stations = state.grid.surfaces, state.grid.grid.stations
-    points, normals = surfaces.rail_points(nodes)
-    moved = state.points - surfaces.rail_points(stations)[0]
-    points = points + np.stack([np.interp(nodes, stations, moved[:, axis]) for axis in (0, 1)], axis=1)
-    gap = wheel_gap(surfaces.wheel, state.pose.middle, state.pose.axis, points, normals, z)
-    rail = np.concatenate(
-        (np.repeat(points[:, None], len(z), axis=1), np.tile(z[:, None], (len(nodes), 1, 1))), axis=-1
-    )
-    wheel = gap.arms + np.append(state.pose.middle, 0.0)
-    return rail, wheel, gap.gaps < FAR_MM
+def wheelset_pictures(run: WheelsetRun) -> list[Picture]:
+    """Pictures of a run: of the patches where there are some, of the rails where they bend, of friction with it."""
+    described = PLANE_PICTURES if run.in_space is None else PICTURES
+    # a search that found no equilibrium has no patches
+    described = described[: None if run.patches else 1]
+    if run.in_space is None:
+        return _pictures(run, described)
+    rails = (RAILS_PICTURE,) if run.space.rails else ()
+    return [*_pictures(run, (*described, *rails)), *rolling_pictures(run)]
 
 
-def below_table(run: WheelsetRun) -> str:
-    """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
-    rows: list[dict[str, object]] = []
-    for patch, role in lines_below(run.space):
-        line = patch.lines[role]
-        where = {"side": patch.side, "region": patch.region, "body": role}
-        columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
-        rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
-    return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)
+def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
+    return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]
