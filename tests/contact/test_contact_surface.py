@@ -124,7 +124,7 @@ def test_friction_without_a_dense_matrix_has_the_same_answer(monkeypatch: pytest
     dense = solved()
     assert isinstance(dense.response, CondensedBodies)
     monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MAX_DENSE_BYTES", 1e4)
-    monkeypatch.setattr("flangeway.contact.newton.MAX_DENSE_EQUATIONS", 0)
+    monkeypatch.setattr("flangeway.contact.contact_step.MAX_DENSE_EQUATIONS", 0)
     monkeypatch.setattr("flangeway.solve.active_set.equations", None)  # which solves dense ones
     sparse = solved()
     assert isinstance(sparse.response, SparseBodies)

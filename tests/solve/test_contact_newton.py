@@ -54,7 +54,7 @@ def test_the_last_iteration_takes_the_derivatives_of_the_one_before(press, monke
     monkeypatch.setattr(way, "tangent", lambda *given, **named: answers.append(1) or own(*given, **named))
     placements, states, counts = problem.placements(1.2 * DEPTH), [], []
     for close in (1e-6, 0.0):
-        monkeypatch.setattr("flangeway.contact.newton.OLD_DERIVATIVES_RESIDUAL", close)
+        monkeypatch.setattr("flangeway.contact.contact_step.OLD_DERIVATIVES_RESIDUAL", close)
         answers.clear()
         states.append(solve_contact(response, problem.system, placements, start=start))
         counts.append(len(answers))
@@ -145,7 +145,7 @@ def test_quadratic_after_the_active_set_has_settled(
 
     Of iterations with their own derivatives: the last one takes those of the one before where this is enough.
     """
-    monkeypatch.setattr("flangeway.contact.newton.OLD_DERIVATIVES_RESIDUAL", 0.0)
+    monkeypatch.setattr("flangeway.contact.contact_step.OLD_DERIVATIVES_RESIDUAL", 0.0)
     short = BoxDiscretisation(0.25, method, order).part("short", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
     long = BoxDiscretisation(0.3, method, order).part("long", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
     contact = Contact(surface_of(short, "bottom"), surface_of(long, "top"), pairing, enforcement)

@@ -1,7 +1,8 @@
 """Contact surfaces, search, pairing, gap kinematics, enforcement, and Newton's method for them."""
 
+from flangeway.contact.contact_state import ContactState
 from flangeway.contact.kinematics import NodeEdgeGaps, node_edge_gaps, shape_functions
-from flangeway.contact.newton import ContactState, solve_contact
+from flangeway.contact.newton import solve_contact
 from flangeway.contact.node_to_segment import NodeToNode, NodeToSegment
 from flangeway.contact.pairs import (
     AugmentedLagrange,

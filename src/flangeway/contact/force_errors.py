@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.contact_state import ContactState
 from flangeway.contact.kinematics import as_vectors, derivative, edge_series, horner, node_edge_gaps
-from flangeway.contact.newton import ContactState
 from flangeway.contact.pairs import Constraints
 from flangeway.contact.search import nearest_edges
 from flangeway.contact.surface import CORNER_ANGLE, Surface, heights_of, turns_of

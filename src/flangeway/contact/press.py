@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from flangeway.checks import MIN_POSITIVE, are_all, are_finite, check_integer, check_tolerance, refused
-from flangeway.contact.newton import ContactState, solve_contact
+from flangeway.contact.contact_state import ContactState
+from flangeway.contact.newton import solve_contact
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
 from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of

@@ -8,13 +8,13 @@ from functools import cache, cached_property, reduce
 import numpy as np
 import shapely
 
+from flangeway.contact.contact_state import ContactState
 from flangeway.contact.force_errors import (
     ForceError,
     force_errors,
     hidden_overlap,
 )
 from flangeway.contact.kinematics import as_complex, as_vectors, shape_functions
-from flangeway.contact.newton import ContactState
 from flangeway.contact.node_to_segment import MatchedPairs
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path, visits
 from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
