@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import timedelta
 from functools import partial
 from pathlib import Path
@@ -131,7 +132,7 @@ def campaign(
     if export is not None:
         refuse_format(export)
     wanted = Campaign.from_file(file, units=show.units)
-    show.units = wanted.units
+    show = replace(show, units=wanted.units)
     folder = results_folder(out, file.stem)
     database = folder / DATABASE
     if database.is_file() and not fresh:

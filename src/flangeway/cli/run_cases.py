@@ -3,6 +3,7 @@
 import inspect
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -102,8 +103,7 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
             "primary": primary,
         }
         inputs = _case(case, set_, **named, units=show.units)
-        show.units = inputs.units
-        return work(case, inputs, out, show, **further)
+        return work(case, inputs, out, replace(show, units=inputs.units), **further)
 
     shared, own = inspect.signature(command), inspect.signature(work).parameters.values()
     options = [option for option in own if option.kind is option.KEYWORD_ONLY]

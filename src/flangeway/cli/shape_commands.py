@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -104,7 +105,7 @@ def geometry(
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
         values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
-        show.units = show.units or inputs.units
+        show = replace(show, units=show.units or inputs.units)
         records.append((inputs, notices))
     many = len(records) > 1
     folder = results_folder(out, f"geometry-{name}")

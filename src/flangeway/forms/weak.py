@@ -578,9 +578,8 @@ def mass(
         for i, j in np.argwhere(np.abs(tensor).any(axis=-1)):
             blocks[i, j] = products * tensor[i, j]
 
-    result = FormMatrix(_assembled(space, given.n_components, matrices))
-    result.round_off = np.repeat(round_off, given.n_components)
-    return result
+    matrix = _assembled(space, given.n_components, matrices)  # fills the round-off too
+    return FormMatrix(matrix, round_off=np.repeat(round_off, given.n_components))
 
 
 def _at_points(given: CellCoefficient, on: str | None, degree: int | None) -> sp.csr_array:

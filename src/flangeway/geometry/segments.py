@@ -45,7 +45,7 @@ def _parameters(s: ArrayLike) -> Floats:
 def _fixed(rows: list[list[float]]) -> Floats:
     """Return an array that is kept and therefore cannot be changed."""
     array = np.array(rows)
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 

@@ -1,7 +1,7 @@
 """Meshes of polygons: dual cells of a triangulation, cells joined, and Voronoi cells."""
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from heapq import heapify, heappop, heappush
 
@@ -50,88 +50,77 @@ def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
         If the number of cells is not from 1 to that of the mesh.
     """
     check_integer("agglomerated", "cells", cells, 1, mesh.n_cells)
-    joining = _Joining(mesh)
-    heap = [(area, cell) for cell, area in joining.areas.items()]
-    heapify(heap)
-    while len(joining.rows) > cells and heap:
-        area, cell = heappop(heap)
-        if joining.areas.get(cell) == area and (other := joining.best_neighbour(cell)) is not None:
-            joining.join(cell, other)
-            heappush(heap, (joining.areas[other], other))
-            # a smaller neighbour may have had none to join, and has now
-            for near in joining.neighbours(other):
-                heappush(heap, (joining.areas[near], near))
-    kept = np.unique(np.concatenate(list(joining.rows.values())))
+    rows, left = _joined(mesh, cells)
+    kept = np.unique(np.concatenate(list(rows.values())))
     number = places_among(kept, mesh.n_points)
-    whole = PolyMesh.from_cells(mesh.points[kept], [number[row].tolist() for row in joining.rows.values()])
-    left = list(joining.rows)
+    whole = PolyMesh.from_cells(mesh.points[kept], [number[row].tolist() for row in rows.values()])
     for name, members in mesh.cell_sets.items():
-        whole = whole.with_cell_set(name, np.isin(left, members))
+        whole = whole.with_cell_set(name, np.isin(list(rows), members))
     for name, pairs in mesh.edge_sets.items():
         whole = whole.with_edge_set(name, number[pairs])
     if mesh.curves is not None:
         sides = mesh.curves.pairs.tolist()
-        left_over = np.array([(a, b) in joining.left or (b, a) in joining.left for a, b in sides])
+        left_over = np.array([(a, b) in left or (b, a) in left for a, b in sides])
         whole = replace(whole, curves=mesh.curves.taken(left_over, number))
     return whole
 
 
-class _Joining:
-    """Polygons that become fewer: their points in order, their areas, and the polygon on the left of each side."""
+def _joined(mesh: PolyMesh, n_cells: int) -> tuple[dict[int, list[int]], dict[tuple[int, int], int]]:
+    """Points of each polygon in order, and the polygon on the left of each side, where so many are left."""
+    start, end = mesh.cell_points, mesh.cell_points[next_in_row(mesh.cell_offsets)]
+    owners = row_numbers(mesh.cell_offsets)
+    left = dict(zip(zip(start.tolist(), end.tolist(), strict=True), owners.tolist(), strict=True))
+    rows = dict(enumerate(row.tolist() for row in np.split(mesh.cell_points, mesh.cell_offsets[1:-1])))
+    areas = dict(enumerate(mesh.cell_areas.tolist()))
+    signs = np.zeros((mesh.n_cells, len(mesh.cell_sets) + 1), dtype=bool)
+    for column, members in enumerate(mesh.cell_sets.values()):
+        signs[members, column] = True
+    kind = np.unique(signs, axis=0, return_inverse=True)[1].ravel()
 
-    def __init__(self, mesh: PolyMesh) -> None:
-        self.points = mesh.points
-        start, end = mesh.cell_points, mesh.cell_points[next_in_row(mesh.cell_offsets)]
-        owners = row_numbers(mesh.cell_offsets)
-        self.left = dict(zip(zip(start.tolist(), end.tolist(), strict=True), owners.tolist(), strict=True))
-        self.rows = dict(enumerate(row.tolist() for row in np.split(mesh.cell_points, mesh.cell_offsets[1:-1])))
-        self.areas = dict(enumerate(mesh.cell_areas.tolist()))
-        signs = np.zeros((mesh.n_cells, len(mesh.cell_sets) + 1), dtype=bool)
-        for column, members in enumerate(mesh.cell_sets.values()):
-            signs[members, column] = True
-        self.kind = np.unique(signs, axis=0, return_inverse=True)[1].ravel()
+    def neighbours(cell: int) -> set[int]:
+        """Polygons of the same sets on the other side of a polygon's sides."""
+        across = {left.get((end, start)) for start, end in sides_of(rows[cell])}
+        return {other for other in across if other is not None and kind[other] == kind[cell]} - {cell}
 
-    def neighbours(self, cell: int) -> set[int]:
-        """Polygons on the other side of a polygon's sides."""
-        row = self.rows[cell]
-        across = {self.left.get((end, start)) for start, end in sides_of(row)}
-        return {other for other in across if other is not None and self.kind[other] == self.kind[cell]} - {cell}
-
-    def united(self, cell: int, other: int) -> list[int] | None:
-        """Points of both polygons in order; None if they do not meet in one piece."""
-        row = self.rows[cell]
-        shared = [self.left.get((b, a)) == other for a, b in sides_of(row)]
-        starts = [index for index in range(len(row)) if shared[index] and not shared[index - 1]]
-        if len(starts) != 1 or len(set(row) & set(self.rows[other])) != sum(shared) + 1:
-            return None
-        row = row[starts[0] :] + row[: starts[0]]
-        first, last = row[0], row[sum(shared)]
-        row = row[sum(shared) :]  # from the last shared point to the point before the first
-        other_row = self.rows[other]
-        index = other_row.index(first)
-        other_row = other_row[index:] + other_row[:index]
-        return [*row, *other_row[: other_row.index(last)]]
-
-    def best_neighbour(self, cell: int) -> int | None:
-        """Neighbour with which it has the least perimeter for the root of its area."""
-        options = []
-        for other in self.neighbours(cell):
-            row = self.united(cell, other)
+    def options(cell: int) -> Iterator[tuple[float, int, list[int]]]:
+        """Perimeter squared by area of the unions with neighbours, these, and the points of the unions."""
+        for other in neighbours(cell):
+            shared = [left.get((b, a)) == other for a, b in sides_of(rows[cell])]
+            row = _united(rows[cell], rows[other], shared)
             if row is not None:
-                perimeter = shapely.length(shapely.linearrings(self.points[row]))
-                options.append((perimeter**2 / (self.areas[cell] + self.areas[other]), other))
-        return min(options)[1] if options else None
+                perimeter = shapely.length(shapely.linearrings(mesh.points[row]))
+                yield perimeter**2 / (areas[cell] + areas[other]), other, row
 
-    def join(self, cell: int, other: int) -> None:
-        """Make one polygon of two, with the number of the other."""
-        row = self.united(cell, other)
-        assert row is not None
-        for gone in (self.rows.pop(cell), self.rows[other]):
-            for side in sides_of(gone):
-                del self.left[side]
-        self.rows[other] = row
-        self.left |= dict.fromkeys(sides_of(row), other)
-        self.areas[other] += self.areas.pop(cell)
+    heap = [(area, cell) for cell, area in areas.items()]
+    heapify(heap)
+    while len(rows) > n_cells and heap:
+        area, cell = heappop(heap)
+        if areas.get(cell) != area or (roundest := min(options(cell), default=None)) is None:
+            continue
+        _, other, row = roundest
+        for former in (rows.pop(cell), rows[other]):
+            for side in sides_of(former):
+                del left[side]
+        rows[other] = row
+        left |= dict.fromkeys(sides_of(row), other)
+        areas[other] += areas.pop(cell)
+        # a smaller neighbour may have had none to join, and has now
+        for changed in (other, *neighbours(other)):
+            heappush(heap, (areas[changed], changed))
+    return rows, left
+
+
+def _united(row: list[int], other_row: list[int], shared: list[bool]) -> list[int] | None:
+    """Points of two polygons in order, by the sides of the first that they share; None if these are not one piece."""
+    starts = [index for index in range(len(row)) if shared[index] and not shared[index - 1]]
+    if len(starts) != 1 or len(set(row) & set(other_row)) != sum(shared) + 1:
+        return None
+    row = row[starts[0] :] + row[: starts[0]]
+    first, last = row[0], row[sum(shared)]
+    row = row[sum(shared) :]  # from the last shared point to the point before the first
+    index = other_row.index(first)
+    other_row = other_row[index:] + other_row[:index]
+    return [*row, *other_row[: other_row.index(last)]]
 
 
 # --- Dual polygons of a triangulation, one cell about every point, and those of a section of several parts.

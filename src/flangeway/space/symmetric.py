@@ -208,7 +208,9 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
 
     """
 
-    round_off: Floats | float = 1.0
+    def __init__(self, *args: Any, round_off: Floats | float = 1.0, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.round_off = round_off
 
     @classmethod
     def measured(
@@ -218,23 +220,21 @@ class FormMatrix(sp.csr_array):  # type: ignore[misc]  # SciPy has no types
 
         The last bit is that of the terms of all motions: those of a motion across may be round-off themselves.
         """
-        result = cls(matrix)
-        zeros = result @ motions if forces is None else forces
+        zeros = matrix @ motions if forces is None else forces
         forces, motions = (np.abs(array).reshape(len(array), -1) for array in (zeros, motions))
-        round_off = over_last_bit(forces.max(axis=1), abs(result) @ motions.sum(axis=1))
-        result.round_off = np.maximum(round_off, least)
-        return result
+        round_off = over_last_bit(forces.max(axis=1), abs(matrix) @ motions.sum(axis=1))
+        return cls(matrix, round_off=np.maximum(round_off, least))
 
     def __getitem__(self, key: Any) -> Any:
         result = super().__getitem__(key)
         if isinstance(result, FormMatrix) and result.ndim == 2:
             rows = key[0] if isinstance(key, tuple) else key
-            result.round_off = np.broadcast_to(self.round_off, self.shape[:1])[rows].ravel()
+            return FormMatrix(result, round_off=np.broadcast_to(self.round_off, self.shape[:1])[rows].ravel())
         return result
 
     def _kept(self, result: Any, other: Any = None) -> Any:
         if isinstance(result, FormMatrix):
-            result.round_off = np.maximum(self.round_off, getattr(other, "round_off", 1.0))
+            return FormMatrix(result, round_off=np.maximum(self.round_off, getattr(other, "round_off", 1.0)))
         return result
 
     def __add__(self, other: Any) -> Any:
@@ -269,11 +269,9 @@ def block_array(blocks: Sequence[Sequence[Any]]) -> FormMatrix:
         Rows of matrices, None where there is nothing; unknowns are numbered field by field.
 
     """
-    result = FormMatrix(sp.block_array(blocks, format="csr"))
     rows = []
     for row in blocks:
         given = [block for block in row if block is not None]
         round_offs = [np.broadcast_to(getattr(block, "round_off", 1.0), given[0].shape[:1]) for block in given]
         rows.append(np.max(round_offs, axis=0))
-    result.round_off = np.concatenate(rows)
-    return result
+    return FormMatrix(sp.block_array(blocks, format="csr"), round_off=np.concatenate(rows))

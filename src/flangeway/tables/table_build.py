@@ -4,7 +4,8 @@ import itertools
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 
@@ -119,52 +120,53 @@ def make_table(request: TableRequest, *, workers: int | None = None, progress: P
     n_workers = n_processes(workers)
     if n_workers > 1 and Cache.of_user() is not None:  # once for all of them
         request.case.prepared(progress)
-    build = _Build(request, n_workers, progress)
-    table = build.table()
+    table = _Build(request, n_workers, progress).table()
     return replace(table, metadata={**table.metadata, "seconds": round(time.perf_counter() - start, 1)})
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class _Build:
     """One call of `make_table`.
 
-    - `lateral`: lateral positions so far.
+    - `further`: lateral positions besides those of the request.
     - `contacts`, `sampled`, `checked`: what was computed, by position.
-    - `symmetric`: whether positions of opposite lateral position and yaw are mirror images.
     """
 
     request: TableRequest
     n_workers: int
     progress: Progress
-    lateral: list[float] = field(init=False)
+    further: frozenset[float] = frozenset()
     contacts: dict[Position, Arrays] = field(default_factory=dict)
     sampled: dict[Position, Arrays] = field(default_factory=dict)
     checked: dict[Position, Arrays] = field(default_factory=dict)
-    symmetric: bool = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.lateral = [float(value) for value in self.request.lateral_mm]
-        self.symmetric = self.request.case.is_symmetric
 
     def table(self) -> CreepTable:
         """All of it."""
-        self._locate_jumps()
+        build = self._with_jumps()
         for number in range(MAX_PASSES):
-            for wave in self._waves():
-                self._run("table", wave, self.sampled, N_POINTS)
-            table = self._assembled()
-            errors = self._errors_between(table, number)
-            checks = self._checks(table, errors)
-            wrong = self._intervals_above(errors)
-            n_added = len(wrong) * len(self._positions()) // len(self.lateral)
-            if checks["within_tolerance"] or not wrong or len(self._positions()) + n_added > MAX_POSITIONS:
+            for wave in build._waves():
+                build._run("table", wave, build.sampled, N_POINTS)
+            table = build._assembled()
+            errors = build._errors_between(table, number)
+            checks = build._checks(table, errors)
+            wrong = build._intervals_above(errors)
+            n_added = len(wrong) * len(build._positions()) // len(build.lateral)
+            if checks["within_tolerance"] or not wrong or len(build._positions()) + n_added > MAX_POSITIONS:
                 break
             if number < MAX_PASSES - 1:
-                self.lateral = sorted({*self.lateral, *wrong})
                 claimed = checks["claimed_error"]
                 self.progress(f"claimed error {claimed:.2%}: {len(wrong)} more lateral positions, then a new sample")
-                self._locate_jumps()
+                build = build._with_lateral(wrong)._with_jumps()
         return replace(table, metadata={**table.metadata, "checks": checks})
+
+    def _with_lateral(self, further: set[float]) -> Self:
+        """With further lateral positions."""
+        return replace(self, further=self.further | further)
+
+    @cached_property
+    def lateral(self) -> list[float]:
+        """Lateral positions in order."""
+        return sorted({*map(float, self.request.lateral_mm), *self.further})
 
     def _intervals_above(self, errors: list[dict[str, Any]]) -> set[float]:
         """Middles of the lateral intervals with the largest error and with those above the tolerance."""
@@ -262,7 +264,7 @@ class _Build:
     def _image(self, position: Position) -> Position:
         """The position that is computed for it: itself, or the mirror image."""
         lateral, yaw, load = position
-        return max(position, (0.0 - lateral, 0.0 - yaw, load)) if self.symmetric else position
+        return max(position, (0.0 - lateral, 0.0 - yaw, load)) if self.request.case.is_symmetric else position
 
     def _results(self, tasks: list[PositionTask]) -> Iterable[tuple[PositionTask, Arrays]]:
         for task, numbers in computed_here(tasks, compute_position, self.n_workers):
@@ -272,8 +274,8 @@ class _Build:
                 )
             yield task, numbers
 
-    def _locate_jumps(self) -> None:
-        """Add the lateral positions on both sides of each jump of the patches."""
+    def _with_jumps(self) -> Self:
+        """With the lateral positions on both sides of each jump of the patches."""
         self._run("contact", self._positions(), self.contacts)
         ends: set[float] = set()
         for yaw, load in itertools.product(self.request.yaw_mrad, self.request.load_kN):
@@ -294,8 +296,9 @@ class _Build:
                     for (low, high), middle in zip(wide, middles, strict=True)
                     for span in ((low, middle), (middle, high))
                 ]
-        self.lateral = sorted({*self.lateral, *ends})
-        self._run("contact", self._positions(), self.contacts)
+        build = self._with_lateral(ends)
+        build._run("contact", build._positions(), build.contacts)
+        return build
 
     def _joined(self, one: Position, other: Position) -> tuple[bool, bool]:
         """Whether the patches of each side go over into those of another position: as many, and they overlap."""

@@ -155,6 +155,8 @@ class RollingContact:
     origin
         Length s along the surface and z of the place that creepages and moments are of; left out: the centre of
         pressure.
+    operators
+        Cache of what depends on the grid and the coefficients alone, shared with contacts that are made from this one.
 
     Raises
     ------
@@ -170,7 +172,7 @@ class RollingContact:
     coefficients: Floats = field(repr=False)
     pressed: Pressing | None = field(default=None, repr=False)
     origin: tuple[float, float] | None = None
-    _operators: dict[object, Any] = field(default_factory=dict, init=False, repr=False)
+    operators: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         shape = len(self.grid.widths), self.grid.n_strips
@@ -310,7 +312,6 @@ class RollingContact:
     ) -> "RollingContact":
         """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
         contact = replace(self, pressures=pressures, friction=friction or self.friction)
-        object.__setattr__(contact, "_operators", self._operators)
         if near is not None:
             pairs = zip(near.box, contact.box, strict=True)
             vars(contact)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
@@ -329,9 +330,9 @@ class RollingContact:
         return self._shared((n_strips, rows.start, rows.stop, weights), make)
 
     def _shared(self, key: object, make: Callable[[], Any]) -> Any:
-        if key not in self._operators:
-            self._operators[key] = make()
-        return self._operators[key]
+        if key not in self.operators:
+            self.operators[key] = make()
+        return self.operators[key]
 
     @property
     def _blocks(self) -> Floats:

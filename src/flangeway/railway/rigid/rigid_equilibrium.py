@@ -228,12 +228,12 @@ def _positions(
     )
     # a neutral equilibrium is shown as near to the middle as it goes
     level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
-    intervals = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
+    interval_levels, interval_rolls = np.stack((level, level), axis=1), ends.roll.copy()
     if not neutral.all():
         zeros = _zeros(geometry, load, Intervals(*(end[~neutral] for end in ends)))
-        intervals.level[~neutral], intervals.roll[~neutral] = zeros
+        interval_levels[~neutral], interval_rolls[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
-    levels, rolls = (np.concatenate((interval, interval), axis=1) for interval in intervals)
+    levels, rolls = (np.concatenate((bounds, bounds), axis=1) for bounds in (interval_levels, interval_rolls))
     levels += np.array([0.0, 0.0, -_POSITION_TOLERANCE_MM, _POSITION_TOLERANCE_MM])
     settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
     lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)

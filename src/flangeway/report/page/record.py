@@ -171,15 +171,14 @@ def marked(text: str, remark: str | None) -> str:
     return about
 
 
-def plain_table(*columns: str) -> Table:
-    """Return a table without a frame; without columns it has no header either, and they are added to it."""
-    return Table(*columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=bool(columns))
+def plain_table(*columns: str, header: bool = True) -> Table:
+    """Return a table without a frame."""
+    return Table(*columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=header)
 
 
 def print_table(console: Console, table: SummaryTable) -> None:
     """Print a table of results and the remarks on it; a single column of values needs no header."""
-    shown = plain_table()
-    shown.show_header = any(table.header[2:])
+    shown = plain_table(header=any(table.header[2:]))
     for index, name in enumerate(table.header):
         # names of files are read to their ends
         shown.add_column(name, justify="left" if index == 0 or table.of_words else "right", overflow="fold")
