@@ -38,7 +38,7 @@ from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.search import behind, nearest_edges
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.geometry.arrays import turned_right
+from flangeway.geometry.arrays import root_parameters, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
@@ -55,8 +55,8 @@ JOINED_FIELDS = [field for field in fields(Constraints) if field.name != "rows"]
 POINTS_OF_EDGES = np.linspace(0.0, 1.0, 7)
 """Points of a curved edge from which the search for its deepest one starts."""
 
-MAX_STEPS, PARAMETER_STEP = 8, 1e-4
-"""Steps of this search, and the difference of parameters for its derivatives."""
+PARAMETER_STEP = 1e-4
+"""Difference of parameters for the derivatives of this search."""
 
 Sides = tuple[Surface, Surface]
 Positions = tuple[Floats, Floats]
@@ -225,14 +225,12 @@ def _deepest(edges: Floats, other: Floats) -> Floats:
         normals = node_edge_gaps(as_vectors(horner(series, xi)), other[faced]).normals
         return np.asarray((normals * as_vectors(horner(derivative(series), xi))).sum(axis=1))
 
-    for _ in range(MAX_STEPS):
-        rate, start = rates(xi), xi
+    def change(xi: Floats) -> Floats:
+        rate = rates(xi)
         bend = (rates(xi + PARAMETER_STEP) - rate) / PARAMETER_STEP
-        step = np.where(bend > 0.0, -rate / np.where(bend > 0.0, bend, 1.0), 0.0)
-        xi = np.clip(xi + np.clip(step, -0.25, 0.25), 0.0, 1.0)
-        if np.abs(xi - start).max(initial=0.0) <= END_DISTANCE:
-            break
-    return xi
+        return np.where(bend > 0.0, rate / np.where(bend > 0.0, bend, 1.0), 0.0)
+
+    return root_parameters(change, xi, 0.25, END_DISTANCE, lambda xi: np.clip(xi, 0.0, 1.0))
 
 
 def _repeated(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.geometry.arrays import root_parameters
 from flangeway.types import Bools, Complex, Floats, Ints
 
 # --- Arrays with their derivatives: truncated Taylor series, by which the gaps' formulas are written once.
@@ -198,7 +199,6 @@ def as_vectors(numbers: Complex) -> Floats:
 # numbers there, x + i y.
 
 
-MAX_STEPS = 20
 PARAMETER_STEP = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
 
@@ -319,7 +319,7 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
         slope = (np.conj(apart) * horner(bends, xi)).real - np.abs(tangent) ** 2
         return np.asarray((np.conj(apart) * tangent).real / slope)
 
-    return _newton(change, xi)
+    return root_parameters(change, xi, 0.5, PARAMETER_STEP)
 
 
 def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex) -> Floats:
@@ -339,17 +339,7 @@ def ray_parameters(series: Sequence[Complex], points: Complex, tangents: Complex
     if len(along) == 2:
         return eta
     slopes = derivative(along)
-    return _newton(lambda eta: np.asarray(horner(along, eta) / horner(slopes, eta)), eta)
-
-
-def _newton(change: Callable[[Floats], Floats], parameters: Floats) -> Floats:
-    """Parameters after Newton's method, by what is to be taken from them, at most half an edge at a time."""
-    for _ in range(MAX_STEPS):
-        step = np.clip(change(parameters), -0.5, 0.5)
-        parameters = parameters - step
-        if np.abs(step).max(initial=0.0) < PARAMETER_STEP:
-            break
-    return parameters
+    return root_parameters(lambda eta: np.asarray(horner(along, eta) / horner(slopes, eta)), eta, 0.5, PARAMETER_STEP)
 
 
 def gaps_over(points: Taylor, parameters: Floats) -> tuple[Taylor, Taylor, Taylor]:

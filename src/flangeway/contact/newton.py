@@ -241,7 +241,10 @@ def _unguarded(problem: ContactProblem, state: ContactIterate) -> ContactLineari
 
 
 def _iterated(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
-    """After Newton's method with the forces corrected last; with an outcome where it did not converge."""
+    """After Newton's method with the forces corrected last; with an outcome where it did not converge.
+
+    A loop of its own: surfaces may stop a step, parts may fall or slide, and constraints come and go within it.
+    """
     first, slid_from, pressed = len(state.history), state.placed.motions, _pressed(problem, state)
     state = state._replace(sliding=0)
     while state.n_iterations < problem.settings.max_iterations:

@@ -743,7 +743,10 @@ def _pressed(
     tolerance: float,
     max_iterations: int,
 ) -> NonlinearContact:
-    """Newton's method for nonlinear bodies at a fraction of a motion, from a solution or from states."""
+    """Newton's method for nonlinear bodies at a fraction of a motion, from a solution or from states.
+
+    A loop of its own: each step is a whole contact problem; where steps do not converge `follow` shortens the motion.
+    """
     if isinstance(reached, NonlinearContact):
         states, fields, solution = reached.states, reached.displacements, reached.contact
     else:

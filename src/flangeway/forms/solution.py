@@ -401,7 +401,8 @@ def newton(
 
     Steps are halved until the norm of the residual falls. What projections of virtual elements miss is stabilised with
     the tangent at the current solution. The residual is that of this stabilisation, so the solution does not depend on
-    ``start``; steps leave out how it changes, which is little where the mesh resolves the solution.
+    ``start``; steps leave out how it changes, which is little where the mesh resolves the solution. A loop of its own:
+    a form may have no value after a whole step, and its tangent, which the user writes, is checked on the way.
 
     Parameters
     ----------

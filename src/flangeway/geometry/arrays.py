@@ -1,7 +1,7 @@
 """Array types, the one check that all points given by a user pass, and how messages write a point."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -15,6 +15,9 @@ FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
 Point: TypeAlias = tuple[float, float]
 Item = TypeVar("Item")
+
+MAX_NEWTON_STEPS = 20
+"""Steps of Newton's method for parameters; a few are enough where it converges."""
 
 
 def as_points(values: ArrayLike, name: str = "points") -> Floats:
@@ -198,3 +201,25 @@ def facet_depths(ends: Floats, limit: float) -> Floats:
     before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
     depth[:] = chord_depths(lengths, before, after, limit)[line]
     return depth
+
+
+def root_parameters(
+    change: Callable[[Floats], Floats],
+    parameters: Floats,
+    max_step: float,
+    tolerance: float,
+    within: Callable[[Floats], Floats] = np.asarray,
+) -> Floats:
+    """Parameters (n,) of points on curves after Newton's method from first ones, all at once.
+
+    - `change`: what is to be taken from parameters, the quotient of an equation and its derivative.
+    - `max_step`: maximum change of a parameter in a step.
+    - `tolerance`: change after which the next one, of the size of its square, is round-off.
+    - `within`: takes parameters to those that the curve has.
+    """
+    for _ in range(MAX_NEWTON_STEPS):
+        previous = parameters
+        parameters = within(parameters - np.clip(change(parameters), -max_step, max_step))
+        if np.abs(parameters - previous).max(initial=0.0) <= tolerance:
+            break
+    return parameters

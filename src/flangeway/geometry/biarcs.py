@@ -27,8 +27,8 @@ _MAX_DEPTH = 14
 def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
     """Return arcs and lines along a curve, tangent to each other.
 
-    An `InputError` if the curve turns so sharply that pieces of a thousandth of those between the breaks do not
-    suffice.
+    A loop of its own: pieces are halved one by one, in the order of the chain. An `InputError` if the curve turns so
+    sharply that pieces of a thousandth of those between the breaks do not suffice.
 
     - `curve`: smooth between the breaks; where the tangent jumps there must be a break, with the tangent of either side
       for parameters inside it.

@@ -22,6 +22,7 @@ from flangeway.geometry.arrays import (
     chain_lengths,
     cross_product,
     norms,
+    root_parameters,
     step_lengths,
     turned_right,
 )
@@ -406,7 +407,6 @@ def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: 
 
 SAMPLES = 16  # between two points, to start the search of the closest place
 CLOSURE_TOLERANCE = 1e-12  # distance of the ends relative to the coordinates, below which it is round-off
-MAX_STEPS = 20  # of Newton's method, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -469,15 +469,13 @@ class Spline:
         given = as_points(points)
         parameters, tree = self._samples
         s = parameters[tree.query(given)[1]]
-        step = 1.0 / (SAMPLES * (len(self.points) - 1))
-        for _ in range(MAX_STEPS):
+
+        def change(s: Floats) -> Floats:
             off, slope, bend = self.point(s) - given, self._curve(s, 1), self._curve(s, 2)
-            change = (off * slope).sum(axis=1) / np.maximum(
-                (slope**2 + off * bend).sum(axis=1), 0.1 * (slope**2).sum(axis=1)
-            )
-            s = self._inside(s - np.clip(change, -step, step))
-            if np.abs(change).max(initial=0.0) < 1e-15:
-                break
+            squares = (slope**2).sum(axis=1)
+            return (off * slope).sum(axis=1) / np.maximum(squares + (off * bend).sum(axis=1), 0.1 * squares)
+
+        s = root_parameters(change, s, 1.0 / (SAMPLES * (len(self.points) - 1)), 1e-15, self._inside)
         return s, norms(given - self.point(s))
 
     def transformed(self, placement: Placement) -> "Spline":

@@ -250,7 +250,8 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
 
     A step is halved until the error of the laws' equations is below the maximum of the last steps (L. Grippo, F.
     Lampariello and S. Lucidi, 1986, SIAM J. Numer. Anal. 23), and goes the whole way if it never is. Forces and gaps
-    are linear along it, so that no halving needs further equations.
+    are linear along it, so that no halving needs further equations. A loop of its own: the state is a set of
+    constraints, and the iteration ends where the set repeats, not where a residual is small.
 
     Parameters
     ----------

@@ -121,7 +121,10 @@ def solve_nonlinear(
 def _solved(
     body: NonlinearBody, start: NonlinearSolution, loads: Floats, factor: float, settings: NewtonSettings
 ) -> NonlinearSolution:
-    """Newton's method with full steps; each linear problem is one of `solve_elasticity`, for the increment."""
+    """Newton's method with full steps; each linear problem is one of `solve_elasticity`, for the increment.
+
+    A loop of its own: it keeps to the path of the load by shorter loads, as damped steps could leave it.
+    """
     problem, n_nodes, state, u = body.problem, body.problem.space.n_nodes, start.state, start.displacements.copy()
     springs = sum(map(problem.spring_stiffness, problem.springs), sp.csc_array((2 * n_nodes, 2 * n_nodes)))
     step: ElasticitySolution | None = None

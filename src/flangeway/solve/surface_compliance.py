@@ -524,6 +524,10 @@ def compliance_table(
 
 
 def _computed(cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Progress) -> Arrays:
+    """Compliances at wavenumbers whose intervals are halved until a spline meets the middles.
+
+    A loop of its own: the values that measure the error are those of the finer table.
+    """
     count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
     size = 8 * (3 * cells.n_cells) ** 2
     refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)

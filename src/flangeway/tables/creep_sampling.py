@@ -256,6 +256,8 @@ def refined(
     """Forces, errors at reduced creepages (n, 3) and intervals of both angles, as many as the tolerance needs.
 
     - `near`: `SampledForces.beyond` of a similar patch, which often serve without exact solutions of its own.
+
+    A loop of its own: the errors at one level tell which levels may be left out.
     """
     exact, wanted = exact_forces(patch, points), AIM * tolerance
     levels = deque((*(() if near is None else (0,)), *DIRECTIONS))

@@ -141,7 +141,10 @@ class _Build:
     checked: dict[Position, Arrays] = field(default_factory=dict)
 
     def table(self) -> CreepTable:
-        """All of it."""
+        """All of it.
+
+        A loop of its own: each pass has a new random sample of errors, and positions of all passes stay.
+        """
         build = self._with_jumps()
         for number in range(MAX_PASSES):
             for wave in build._waves():

@@ -157,7 +157,8 @@ def solve_normal(
 ) -> NormalContact:
     """Find forces >= 0 so that the gap is closed under them and open elsewhere (Polonsky and Keer, 1999, Wear 231).
 
-    Conjugate gradients on ``1/2 f' A f + h' f`` within the cells that are in contact.
+    Conjugate gradients on ``1/2 f' A f + h' f`` within the cells that are in contact. A loop of its own: it needs
+    products with A alone, and no tangent.
 
     Parameters
     ----------

@@ -313,7 +313,8 @@ class _Step:
 
         Forces fall with their creepages: one creepage is kept between those that are known to be too small and too
         large. With two the error must fall; where it hardly does, as where everything slips at the first guess, they
-        start again from none.
+        start again from none. A loop of its own: one creepage has a bracket, and each force is itself the end of an
+        iteration.
         """
         unknown = [number for number, force in enumerate(wanted) if force is not None]
         limit = float((self.contact.friction.limits[0][:, None] * self.contact.normal_forces).sum())

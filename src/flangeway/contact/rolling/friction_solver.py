@@ -319,7 +319,11 @@ class FrictionProblem:
             limits, forces = lower, held[0].forces
 
     def _newton(self, start: Floats, tolerance: float) -> tuple[FrictionState, Status]:
-        """Newton's method with step halving."""
+        """Newton's method with step halving.
+
+        A loop of its own: each linear system is solved only as far as the residual before it has fallen, and where no
+        step lowers the residual the state of the lowest one is the last.
+        """
         none = self.state(np.zeros(self.rigid.shape))
         whole = max(none.norm, ROUND_OFF * float(np.linalg.norm(self.limits)), np.finfo(float).tiny)
         state = self.state(self._within(start))

@@ -397,6 +397,8 @@ class RigidGeometry:
         - `changes`: of positions, in rows of a shape (n, m), between which of them it changes, (n, m - 1).
         - `tolerance_mm`: length at which an interval is short enough; or its ends are neighbours among the numbers of
           the machine.
+
+        A loop of its own: intervals in which nothing changes are dropped, all others are searched at once.
         """
         while len(pairs.level) and float(np.diff(pairs.level, axis=1).max()) > tolerance_mm:
             grid = pairs.divided(_SECTIONS)
@@ -513,7 +515,11 @@ class RigidGeometry:
     def _rolled(
         self, target: Floats, rail_level: Floats, roll: Floats, *, at_axle: bool = False
     ) -> tuple[TouchingPositions, Ints]:
-        """As `touching`, and the numbers of the positions for which no roll is found, as where a profile ends."""
+        """As `touching`, and the numbers of the positions for which no roll is found, as where a profile ends.
+
+        A loop of its own: heights jump with the points of contact, so that rolls are kept in brackets, and positions
+        leave it one by one.
+        """
         radius, eta, phi = self.reference_height_mm, rail_level.copy(), roll.copy()
         # at a given level the difference of the heights falls with the roll: a bracket is kept
         low, high = np.full(len(target), -np.inf), np.full(len(target), np.inf)

@@ -472,7 +472,11 @@ class RigidSide:
         return row + part.start, arcs[np.maximum(column - 1, 0)], arcs[np.minimum(column + 1, len(arcs) - 1)]
 
     def _refined(self, lateral: Floats, roll: Floats, low: Floats, high: Floats) -> Floats:
-        """Lengths along the wheel where the tangents of wheel and rail agree, by Newton kept in a bracket."""
+        """Lengths along the wheel where the tangents of wheel and rail agree, by Newton kept in a bracket.
+
+        A loop of its own: curvatures jump where arcs meet, so that only the bracket is sure; positions leave it one by
+        one.
+        """
         low, high = low.copy(), high.copy()
         arc = 0.5 * (low + high)
         active = np.arange(len(arc))
