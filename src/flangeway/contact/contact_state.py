@@ -13,8 +13,7 @@ import scipy.sparse as sp
 
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Sliding, carried_forces, nodal_forces_of
 from flangeway.geometry import Placement
-from flangeway.solve import active_set
-from flangeway.solve.active_set import CoulombState
+from flangeway.solve.active_set import CoulombState, Motions, standoffs, violations
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.handles import Handles
 from flangeway.solve.status import Iteration, NewtonSettings, Status
@@ -89,7 +88,7 @@ class ContactEquations(NamedTuple):
     by_loads: Floats
     matrix: Floats
     offset: Floats
-    rigid: active_set.Motions
+    rigid: Motions
     by_forces: Floats
 
 
@@ -103,7 +102,7 @@ class HeldMotions(NamedTuple):
 
     neutral: tuple[Floats, Floats]
     unheld: Floats
-    tangent: tuple[Floats, active_set.Motions, Bools] | None
+    tangent: tuple[Floats, Motions, Bools] | None
 
 
 class PlacedBodies(NamedTuple):
@@ -192,17 +191,19 @@ class ContactIterate(NamedTuple):
         """Iterations since the last correction of the forces, without those that a surface stopped."""
         return sum(iteration.correction == self.corrections for iteration in self.history) - self.stops
 
-    def corrected(self, corrections: int) -> "ContactIterate":
+    def corrected(self, further: int = 0) -> "ContactIterate":
         """With the present forces as those about which a tolerated penetration gives, and equations of its own."""
         anchor = self.lin, self.forces, self.tangential
-        return self._replace(anchor=anchor, corrections=corrections, equations=None)
+        return self._replace(anchor=anchor, corrections=self.corrections + further, equations=None)
 
-    def ended(self, message: str, *, converged: bool = False, is_unheld: bool = False) -> "ContactIterate":
-        """The same with an outcome."""
+    def outcome(self, message: str, *, converged: bool = False, is_unheld: bool = False) -> Status:
+        """Outcome of the iteration here."""
         residual = self.history[-1].residual if self.history else np.inf
-        return self._replace(
-            status=Status(converged, message, len(self.history), residual=residual, is_unheld=is_unheld)
-        )
+        return Status(converged, message, len(self.history), residual=residual, is_unheld=is_unheld)
+
+    def ended(self, message: str, *, is_unheld: bool = False) -> "ContactIterate":
+        """The same with an outcome that is no solution."""
+        return self._replace(status=self.outcome(message, is_unheld=is_unheld))
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,14 +271,14 @@ class ContactProblem:
         penetration violates the law of contact; with it any gap beyond the one of the law.
         """
         lin, forces, scale = state.lin, state.forces, self.scale(state)
-        slack = state.gaps + state.compliances * forces - active_set.standoffs(forces, lin.barriers)
+        slack = state.gaps + state.compliances * forces - standoffs(forces, lin.barriers)
         laws = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0)) / scale
         # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
         most = max(float(np.abs(vector).max(initial=0.0)) for vector in (state.applied, self.parts.load))
         total = max(float(forces.sum()), most) or np.inf
         if state.slides is not None:
             slips = self.slips(state, state.slides) + state.let_back(state.tangential)
-            beyond, wrong = active_set.violations(forces, state.tangential, slips, lin.coefficients)
+            beyond, wrong = violations(forces, state.tangential, slips, lin.coefficients)
             laws = np.maximum.reduce((laws, beyond / total, wrong / scale))
         along, (neutral, _) = self.along_motions(state), state.held.neutral
         along -= neutral @ (neutral.T @ along)

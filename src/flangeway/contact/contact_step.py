@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from flangeway.contact.contact_state import ContactEquations, ContactIterate, ContactProblem, HeldMotions
 from flangeway.contact.system import changed_keys
-from flangeway.solve import active_set
+from flangeway.solve.active_set import Answer, DenseEquations, Laws, Motions, solve, sparse_equations
 from flangeway.solve.body_response import Constrained
 from flangeway.solve.status import Iteration
 from flangeway.space.symmetric import EPS
@@ -84,6 +84,7 @@ def linearise(problem: ContactProblem, state: ContactIterate, *, bend: bool) -> 
     gaps = state.gaps - np.where(products > 0.0, reaches, 0.0)
     candidates = (forces > 0.0) | (gaps <= OPEN_GAP * problem.scale(state))
     previous = state.equations if bend and _derivatives_still_valid(problem, state, candidates) else None
+    candidates = candidates if candidates.any() else ~candidates
     geometric = lin.curvature(-forces) if previous is None else previous.geometric
     jacobian, directions, compliances, violations = lin.jacobian, lin.jacobian, state.compliances, state.gaps
     if slides is not None:
@@ -124,12 +125,10 @@ def step(problem: ContactProblem, state: ContactIterate, *, bend: bool = True) -
     linearised = linearise(problem, state, bend=bend)
     gaps, constrained = linearised.gaps, linearised.constrained
     while True:
-        if not linearised.candidates.any():
-            linearised = linearised._replace(candidates=~linearised.candidates)
         solution = _step_among(problem, state, linearised)
         if solution is None:
             return None
-        forces, displacements, solved = solution
+        forces, displacements, motion, held, equations = solution
         # the laws of the others hold with them open if the step leaves a gap there, which it closes by no more than
         # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
         change = displacements - constrained.displacements
@@ -141,13 +140,13 @@ def step(problem: ContactProblem, state: ContactIterate, *, bend: bool = True) -
     nodal = constrained.directions.T @ forces - linearised.geometric @ change
     applied[state.lin.nodes] = nodal.reshape(-1, 2)
     tangential = state.tangential if state.slides is None else forces[len(gaps) :]
-    return solved._replace(forces=forces[: len(gaps)], tangential=tangential, applied=applied)
+    return ContactStep(forces[: len(gaps)], tangential, applied, motion, held, equations)
 
 
 def _step_among(
     problem: ContactProblem, state: ContactIterate, linearised: LinearisedContact
-) -> tuple[Floats, Floats, ContactStep] | None:
-    """Forces of all constraints, displacements of the touched nodes, and the step, where only candidates close."""
+) -> tuple[Floats, Floats, Floats, HeldMotions, ContactEquations | None] | None:
+    """Forces of all constraints, displacements of the touched nodes, and what follows in `ContactStep`."""
     lin, rotations, motions = state.lin, state.placed.rotations, state.placed.motions
     geometric, candidates = linearised.geometric, linearised.candidates
     rows = np.flatnonzero(np.tile(candidates, 1 if state.slides is None else 2))
@@ -155,25 +154,21 @@ def _step_among(
     coefficients, barriers = lin.coefficients[candidates], lin.barriers[candidates]
     guess = np.concatenate((state.forces, state.tangential))[rows]
     forces = np.zeros(len(linearised.constrained.violations))
-    step = ContactStep(forces, forces, forces, np.zeros(problem.parts.n), state.held, None)
-    solver = None
     if (
         state.slides is not None
-        and not problem.parts.n
-        and not barriers[:, 0].any()
         and len(rows) > MAX_DENSE_EQUATIONS
+        and not (problem.parts.n or barriers[:, 0].any())
+        and (solver := problem.response.constrained(rotations, lin.nodes, geometric, constrained)) is not None
     ):
-        solver = problem.response.constrained(rotations, lin.nodes, geometric, constrained)
-    if solver is not None:
         solved, diagonal = solver
-        laws = active_set.Laws(coefficients, barriers, diagonal)
-        answer = active_set.solve(laws, active_set.sparse_equations(solved, laws), guess)
+        laws = Laws(coefficients, barriers, diagonal)
+        answer = solve(laws, sparse_equations(solved, laws), guess)
         if answer is None:
             return None
         forces[rows] = answer.forces
         loads = constrained.directions.T @ answer.forces + geometric @ constrained.displacements
         tangent = problem.response.tangent(rotations, lin.nodes, geometric, symmetric=False)
-        return forces, tangent(sp.csr_array(loads[:, None]))[:, 0], step
+        return forces, tangent(sp.csr_array(loads[:, None]))[:, 0], np.zeros(0), state.held, None
     previous = linearised.previous
     if previous is None:
         equations = _new_equations(problem, state, geometric, constrained, lin.keys[candidates])
@@ -188,7 +183,7 @@ def _step_among(
     motion = problem.parts.shortened(answer.motions, problem.parts.velocities(motions, state.placed.reference))
     forces[rows] = answer.forces
     displacements = equations.by_loads @ np.concatenate((answer.forces, (1.0,), motion))
-    return forces, displacements, step._replace(motion=motion, held=held, equations=equations if serves else None)
+    return forces, displacements, motion, held, equations if serves else None
 
 
 def _answer(
@@ -199,7 +194,7 @@ def _answer(
     guess: Floats,
     *,
     bend: bool,
-) -> tuple[active_set.Answer | None, HeldMotions]:
+) -> tuple[Answer | None, HeldMotions]:
     """Forces and motions of an iteration's equations, by coefficients and barriers, and what holds the motions.
 
     With springs against the motions there always is a solution; without them Newton's method for the motions goes
@@ -207,25 +202,25 @@ def _answer(
     """
     matrix, offset, rigid, held = equations.matrix, equations.offset, equations.rigid, state.held
     if not problem.parts.n:
-        laws = active_set.Laws(*laws_of, matrix.diagonal())
-        return active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, rigid), guess), held
-    last: active_set.Answer | None = None
+        laws = Laws(*laws_of, matrix.diagonal())
+        return solve(laws, DenseEquations(matrix, offset, laws, rigid), guess), held
+    last: Answer | None = None
     stiff = sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING)
     for softness in SOFTNESSES:
         if last is not None:
             sprung = rigid.softly_sprung(stiff, last.forces, softness, RELAXATION**state.sliding)
-        laws = active_set.Laws(*laws_of, matrix.diagonal() + sprung.compliances())
-        answer = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        laws = Laws(*laws_of, matrix.diagonal() + sprung.compliances())
+        answer = solve(laws, DenseEquations(matrix, offset, laws, sprung), guess)
         if answer is None and last is None:
             return None, held
         if answer is None:
             continue
-        dense = active_set.DenseEquations(matrix, offset, laws, rigid)
+        dense = DenseEquations(matrix, offset, laws, rigid)
         left, right, loose = dense.free_motions(answer)
         held = held._replace(neutral=(np.linalg.qr(left)[0], np.linalg.qr(right)[0]))
         basis = _complement(left), _complement(right)
-        kept = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
-        exact = None if loose else active_set.solve(laws, kept, answer.forces)
+        kept = DenseEquations(matrix, offset, laws, rigid.without(*basis))
+        exact = None if loose else solve(laws, kept, answer.forces)
         if exact is not None:
             held = held._replace(unheld=np.zeros(problem.parts.n))
             return exact._replace(motions=basis[1] @ exact.motions), held
@@ -265,7 +260,7 @@ def _new_equations(
     if is_symmetric:  # but for rounding
         matrix, stiffness = (matrix + matrix.T) / 2.0, (stiffness + stiffness.T) / 2.0
         resultants = by_motion.T
-    of_motions = active_set.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
+    of_motions = Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
     return ContactEquations(keys, nodes, geometric, solved, answer, matrix, offset, of_motions, by_forces)
 
 

@@ -37,7 +37,6 @@ that it had let back before.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -46,12 +45,12 @@ from flangeway.contact.contact_step import ContactStep, after, step
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Entry, carried_forces
 from flangeway.geometry import Placement
-from flangeway.solve import active_set
+from flangeway.solve.active_set import friction_state
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.handles import Handle, Handles
-from flangeway.solve.status import NewtonSettings, is_at_round_off
+from flangeway.solve.status import NewtonSettings, Status, is_at_round_off
 from flangeway.space.symmetric import EPS
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools
 
 MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
@@ -151,9 +150,9 @@ def _solved(problem: ContactProblem) -> ContactState:
                 f"{state.excess:.3g} times the tolerated one, which is below round-off; take a larger tolerance"
             )
         elif state.excess > 1.0:
-            state = state.corrected(state.corrections + 1)
-        elif (further := _released(problem, state) if state.is_guarded else _guarded(problem, state)) is None:
-            return _result(problem, _converged(problem, state))
+            state = state.corrected(1)
+        elif (further := _with_constraints(problem, state)) is None:
+            break
         else:
             state, rounds = further, rounds + 1
             if rounds == MAX_ROUNDS:
@@ -182,7 +181,7 @@ def _first_state(problem: ContactProblem) -> ContactIterate:
             displacements = problem.response.displacements(placed.rotations, everywhere, start.nodal_forces)
             state = state._replace(displacements=displacements)
             after = problem.constraints.linearise(state.positions, after)
-    return _up_to_entry(problem, state, after).corrected(0)
+    return _up_to_entry(problem, state, after).corrected()
 
 
 def _up_to_entry(problem: ContactProblem, state: ContactIterate, after: ContactLinearisation) -> ContactIterate:
@@ -192,43 +191,38 @@ def _up_to_entry(problem: ContactProblem, state: ContactIterate, after: ContactL
     about the state, where nothing is in the way.
     """
     (come_from, slip_origin), placements = problem.slip_origin, state.placed.placements
-    points, both = np.stack((slip_origin, state.positions)), zip(come_from, placements, strict=True)
-    angle = max(abs(last.rotation_rad - first.rotation_rad) for first, last in both)
-    n_pieces = 1 + int(angle / MAX_ROTATION_STEP)
-    at = points[0]
-    for piece in range(1, n_pieces + 1):
-        is_last = piece == n_pieces
-        following = points[1] if is_last else _on_path(problem, placements, points, piece / n_pieces)
-        lin = after if is_last else problem.constraints.linearise(following, after)
+    end, ends = state.positions, list(zip(come_from, placements, strict=True))
+    both = np.stack((slip_origin, end))
+    bodies = [both[:, first:last] for first, last in itertools.pairwise(problem.response.offsets.tolist())]
+    n_pieces = 1 + int(max(abs(last.rotation_rad - first.rotation_rad) for first, last in ends) / MAX_ROTATION_STEP)
+    path = [
+        np.concatenate([on_path(*of_body, body, piece / n_pieces) for of_body, body in zip(ends, bodies, strict=True)])
+        for piece in range(1, n_pieces)
+    ]
+    at = slip_origin
+    for following in (*path, end):
+        lin = after if following is end else problem.constraints.linearise(following, after)
         if (entry := problem.constraints.entered(at, following, lin)) is not None:
             at = at + entry.time * (following - at)
             state = state._replace(displacements=at - state.placed.reference, is_guarded=True)
             remaining = np.abs(at - problem.response.undeformed(placements)).max()
             if remaining > MAX_DEFORMATION * problem.parts.size:
-                state = _passes(problem, state, entry, "", is_unheld=True)
+                state = _passes(problem, state, entry, "")
             return problem.at(state, problem.constraints.guarded_too(at, lin, entry.guards))
         at = following
     return problem.at(state, after)
 
 
-def _on_path(problem: ContactProblem, placements: Sequence[Placement], points: Floats, fraction: float) -> Floats:
-    """Positions of the surface nodes at a fraction of the way between two positions, shape (2, n_nodes, 2)."""
-    both, offsets = zip(problem.slip_origin[0], placements, strict=True), problem.response.offsets
-    bodies = [points[:, first:last] for first, last in itertools.pairwise(offsets.tolist())]
-    return np.concatenate([on_path(*ends, body, fraction) for ends, body in zip(both, bodies, strict=True)])
+def _with_constraints(problem: ContactProblem, state: ContactIterate) -> ContactIterate | None:
+    """Without the constraints of nodes that entered on the way, which the solution may not need.
 
-
-def _guarded(problem: ContactProblem, state: ContactIterate) -> ContactIterate | None:
-    """With constraints where bodies overlap although those that there are hold; None if there are none."""
-    maximum = float(np.abs(state.displacements).max(initial=0.0))
-    further = problem.constraints.guarded(state.positions, state.lin, state.forces, maximum)
-    return None if further is None else problem.at(state, further).corrected(state.corrections)
-
-
-def _released(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
-    """Without the constraints of nodes that entered on the way, which the solution may not need."""
-    state = problem.at(state, _unguarded(problem, state))
-    return state._replace(is_guarded=False).corrected(state.corrections)
+    Where there are none, with those of nodes that overlap although the present ones hold; None if there are none.
+    """
+    lin = _unguarded(problem, state) if state.is_guarded else None
+    if lin is None:
+        maximum = float(np.abs(state.displacements).max(initial=0.0))
+        lin = problem.constraints.guarded(state.positions, state.lin, state.forces, maximum)
+    return None if lin is None else problem.at(state._replace(is_guarded=False), lin).corrected()
 
 
 def _unguarded(problem: ContactProblem, state: ContactIterate) -> ContactLinearisation:
@@ -362,15 +356,13 @@ def _slides_away(problem: ContactProblem, state: ContactIterate) -> ContactItera
     )
 
 
-def _passes(
-    problem: ContactProblem, state: ContactIterate, entry: Entry, again: str, *, is_unheld: bool = False
-) -> ContactIterate:
-    """Ends with bodies of which one goes into the other although constraints hold it back."""
+def _passes(problem: ContactProblem, state: ContactIterate, entry: Entry, again: str) -> ContactIterate:
+    """Ends with bodies of which one goes into the other, at once or although constraints hold it back."""
     words = problem.constraints.describe_entry(entry, state.positions)
     return state.ended(
         f"not converged: {words}{again}; move or load the bodies less, give all edges that may "
         "touch, or take a finer mesh there",
-        is_unheld=is_unheld,
+        is_unheld=not again,
     )
 
 
@@ -407,21 +399,16 @@ def _worst(problem: ContactProblem, state: ContactIterate) -> str:
     return f"a force of {force:.3g} is not balanced at {names.describe_node(node, positions)}"
 
 
-def _converged(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
-    """Ends with the number of iterations."""
+def _converged(problem: ContactProblem, state: ContactIterate) -> tuple[Status, bool | None]:
+    """Outcome with the motions that nothing holds in the solution, and whether handles come back after a push."""
+    n, motions, stable = problem.parts.n, state.placed.motions, None
     message = f"converged in {_counted(len(state.history), 'iteration')}"
     if state.corrections:
         message += f" and {_counted(state.corrections, 'correction')} of the forces"
     if state.history[-1].residual > _limit(problem, state):
         message += f", to round-off: the residual is {state.history[-1].residual:.1e}"
-    return state.ended(message, converged=True)
-
-
-def _free_motions(problem: ContactProblem, state: ContactIterate) -> tuple[str, bool | None]:
-    """Words for the motions that nothing holds in the solution, and whether handles come back after a push."""
-    n, motions, stable = problem.parts.n, state.placed.motions, None
     if not n:
-        return "", None
+        return state.outcome(message, converged=True), None
     (kept, free), unstable = state.held.neutral, np.zeros((n, 0))
     if not state.forces.any():
         kept = free = np.eye(n)
@@ -435,14 +422,12 @@ def _free_motions(problem: ContactProblem, state: ContactIterate) -> tuple[str, 
         why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
     named = [f"{words}, which {why}" for words in problem.parts.describe(motions, free)]
     named += [f"{words} out of an unstable equilibrium" for words in problem.parts.describe(motions, unstable)]
-    return "".join(f"; {words}" for words in named), stable
+    return state.outcome("; ".join((message, *named)), converged=True), stable
 
 
 def _result(problem: ContactProblem, state: ContactIterate) -> ContactState:
-    """The solution of a state with an outcome."""
-    status = state.status
-    assert status is not None
-    free, stable = _free_motions(problem, state) if status.converged else ("", None)
+    """The solution of a state that has converged, or has another outcome."""
+    status, stable = _converged(problem, state) if state.status is None else (state.status, None)
     # which constraints are said to be closed must not rest on the last digit of the others' forces
     forces = np.where(state.forces > ROUND_OFF * state.forces.max(initial=0.0), state.forces, 0.0)
     state, friction, start = state._replace(forces=forces), None, problem.start
@@ -451,11 +436,9 @@ def _result(problem: ContactProblem, state: ContactIterate) -> ContactState:
         previous = np.zeros(len(forces))
         if start is not None:
             previous = carried_forces(start.linearisation, start.forces, state.lin)
-        friction = active_set.friction_state(
-            forces, state.tangential, slips, let_back, state.lin.coefficients, previous
-        )
+        friction = friction_state(forces, state.tangential, slips, let_back, state.lin.coefficients, previous)
     return ContactState(
-        replace(status, message=status.message + free),
+        status,
         state.placed.placements,
         state.displacements,
         state.positions,

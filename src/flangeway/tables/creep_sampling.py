@@ -128,8 +128,7 @@ class SampledPatch:
         slip = Creepages(*self.direction(spin, creep).tolist()).rigid(s, z)
         size = np.maximum(np.linalg.norm(slip, axis=1, keepdims=True), np.finfo(float).tiny)
         forces = -slip / size * self.limits[:, None]
-        moment = np.sum(s[:, None] * forces[:, 1]) - np.sum(z * forces[:, 0])
-        return np.array([forces[:, 1].sum(), forces[:, 0].sum(), moment / self.radius]) / self.limit
+        return self.contact.resultants(forces) / [1.0, 1.0, self.radius] / self.limit
 
     def simplified(self, slips: Floats, spins: Floats, creeps: Floats) -> Floats:
         """Forces over slip by FASTSIM at all combinations, exactly at both ends of slip, shape (..., 3)."""

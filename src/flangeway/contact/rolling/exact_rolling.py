@@ -273,12 +273,6 @@ class _Step:
         whole[..., rows, :, strips] = values
         return self.turned(whole)
 
-    def resultants(self, forces: Floats) -> Floats:
-        """Forces along and across, and the moment about n, of forces (n_cells, 2, n_strips)."""
-        s, z = self.contact.places
-        moment = np.sum(s[:, None] * forces[:, 1]) - np.sum(z * forces[:, 0])
-        return np.array([forces[:, 1].sum(), forces[:, 0].sum(), moment])
-
     @cached_property
     def known_slip(self) -> Floats:
         """Slip in the box by pressures and by the displacements before."""
@@ -338,7 +332,7 @@ class _Step:
             shift[unknown] = change
             problem, state, status = self.solved(motion.moved(*shift), start, finer)
             forces = self.outside(state.forces)
-            missing = target - self.resultants(forces)[unknown]
+            missing = target - self.contact.resultants(forces)[unknown]
             error = float(np.linalg.norm(missing)) / limit if unknown else 0.0
             if len(unknown) == 1:
                 ends[int(missing[0] > 0.0)] = change[0]
@@ -365,7 +359,7 @@ class _Step:
     def _newton(self, problem: FrictionProblem, state: FrictionState, unknown: list[int], missing: Floats) -> Floats:
         """Change of the creepages that gives the missing forces as far as they are linear."""
         columns = problem.derivative(state, np.array([self.rigid(*np.eye(3)[number]) for number in unknown]))
-        matrix = np.stack([self.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
+        matrix = np.stack([self.contact.resultants(forces)[unknown] for forces in self.outside(columns)], axis=1)
         if len(unknown) == 1 and abs(matrix[0, 0]) <= MIN_SLOPE * float(problem.operator.scale.sum()) * self.distance:
             return np.array([np.inf])
         return np.asarray(np.linalg.lstsq(matrix, missing)[0], dtype=np.float64)
@@ -416,7 +410,7 @@ class _Step:
                 - gap_increase[:, STRIPS_BEYOND - 1 : -1 - STRIPS_BEYOND]
             ) / 2.0
             rolling = -motion.speed * float(np.sum(contact.normal_forces * raising)) / contact.grid.strip
-        along, across, moment = self.resultants(forces).tolist()
+        along, across, moment = self.contact.resultants(forces).tolist()
         return Rolling(
             motion=motion,
             along=along,

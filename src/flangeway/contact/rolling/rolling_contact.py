@@ -302,6 +302,12 @@ class RollingContact:
         s, z = self.origin or (forces.sum(axis=1) @ across / self.force, forces.sum(axis=0) @ along / self.force)
         return across - s, along - z
 
+    def resultants(self, forces: Floats) -> Floats:
+        """Forces along and across, and the moment about n, of forces (t, z) of the cells (n_cells, 2, n_strips)."""
+        s, z = self.places
+        moment = np.sum(s[:, None] * forces[:, 1]) - np.sum(z * forces[:, 0])
+        return np.array([forces[:, 1].sum(), forces[:, 0].sum(), moment])
+
     @cached_property
     def box(self) -> tuple[slice, slice]:
         """Rows and strips of the cells under pressure."""
@@ -571,15 +577,15 @@ class Rolling(CreepForces):
         What pressures do as tractions raise the surfaces is shared by the normal force.
         """
         contact = self.contact.under(np.where(inside, self.contact.pressures, 0.0))
-        s, z = contact.places
         forces = np.where(inside[..., None], self.tractions * self.contact.areas[..., None], 0.0)
+        along, across, moment = contact.resultants(forces.swapaxes(1, 2)).tolist()
         part = replace(
             self,
-            motion=self.motion.about(self.contact.places[0][0] - s[0], self.contact.places[1][0] - z[0]),
+            motion=self.motion.about(*(a[0] - b[0] for a, b in zip(self.contact.places, contact.places, strict=True))),
             contact=contact,
-            along=float(forces[..., 1].sum()),
-            across=float(forces[..., 0].sum()),
-            moment=float(np.sum(s[:, None] * forces[..., 1]) - np.sum(z * forces[..., 0])),
+            along=along,
+            across=across,
+            moment=moment,
             tractions=forces / contact.areas[..., None],
             slip_velocities=np.where(inside[..., None], self.slip_velocities, 0.0),
             states=np.where(inside, self.states, NO_CONTACT),
