@@ -9,7 +9,10 @@ A record is a class below `Record` with a field for each input and a sentence on
 The same class checks the tables of case files, the arguments of scripts and the values of the command line, and makes
 reference pages, files to begin with and the JSON schema. Kinds of one thing are classes with a field ``kind``, a
 `typing.Literal`; the field that takes them has their union as its type. A kind is also named by its text alone:
-``support = "fixed"`` means ``support = { kind = "fixed" }``.
+``support = "fixed"`` means ``support = { kind = "fixed" }``. Kinds without that field are told by the inputs that they
+need: a load is a pressure where ``pressure_MPa`` is written.
+
+What inputs exclude or need each other is declared by `Record.exclusive`, `Record.needed` and `Record.needs`.
 """
 
 import ast
@@ -18,7 +21,7 @@ import inspect
 import math
 import sys
 from collections import ChainMap
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from itertools import pairwise
@@ -128,7 +131,9 @@ class Record(_Base):
 
     model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
-    exclusive: ClassVar[tuple[tuple[str, str], ...]] = ()  # pairs of inputs of which one at most is written
+    exclusive: ClassVar[tuple[tuple[str, ...], ...]] = ()  # groups of inputs of which one at most is written
+    needed: ClassVar[tuple[tuple[str, ...], ...]] = ()  # groups of inputs of which one at least is written
+    needs: ClassVar[Mapping[str, str]] = {}  # inputs by those without which they have no effect
 
     @classmethod
     def described_fields(cls) -> dict[str, FieldInfo]:
@@ -183,10 +188,22 @@ class Record(_Base):
                 continue
             read = _typed(value, cls.model_fields[name])
             metric[name] = unit.to_metric(read) if unit else read
-        for pair in cls.exclusive:
-            if all(metric.get(key) is not None for key in pair):
-                raise ValueError(f"{pair[0]} and {pair[1]}")
         return metric
+
+    @model_validator(mode="after")
+    def _agree(self) -> Self:
+        """Refuse inputs that exclude each other, or lack each other."""
+        written = {key for key in self.model_fields_set if getattr(self, key) is not None}
+        for group in self.exclusive:
+            if len(both := [key for key in group if key in written]) > 1:
+                raise refused_by_check(" and ".join(both), "one of them", "leave one of them out")
+        for group in self.needed:
+            if written.isdisjoint(group):
+                raise refused_by_check(f"none of {', '.join(group)}", "one of them", f"add one, such as {group[0]}")
+        for key, other in self.needs.items():
+            if getattr(self, other) is None and getattr(self, key) != default_of(type(self).model_fields[key]):
+                raise refused_by_check(f"{key} without {other}", "both, or none", f"give {other}, or leave {key} out")
+        return self
 
     @property
     def written(self) -> dict[str, Any]:
@@ -240,26 +257,9 @@ class Record(_Base):
         return (key, None) if key in cls.model_fields else metric_key(key, cls.model_fields)
 
     @classmethod
-    def tables_of_inputs(cls, units: Units = "metric", path: str = "") -> list[tuple[str, list[InputRow]]]:
-        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path.
-
-        - `path`: that of this table in the case, with a point at the end.
-        """
-        rows, inner = [], []
-        for key, field in cls.described_fields().items():
-            unit = us_key(key) if units == "us" else None
-            default = "needed" if field.is_required() else default_text(field, unit)
-            kinds = records_in(field.annotation)
-            several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
-            for kind in kinds:
-                tag = kind_of(kind) if len(kinds) > 1 else None
-                inner += kind.tables_of_inputs(units, f"{path}{key}{several}.{f'{tag}: ' if tag else ''}")
-            words = allowed(field, unit)
-            if len(kinds) == 1 and are_tables(field.annotation):
-                words = f"a table, [{path}{key}{several}]"
-                default = default if field.is_required() else "none"
-            rows.append((unit.name if unit else key, default, words, field.description or ""))
-        return [(path.rstrip("."), rows), *inner]
+    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[InputRow]]]:
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
+        return _tables_of_inputs([cls], units, "")
 
 
 class ByInstance:
@@ -292,6 +292,45 @@ def records_in(annotation: Any) -> list[type[Record]]:
         elif get_origin(kind) in (list, dict, tuple):
             kinds += records_in(get_args(kind)[-1 if get_origin(kind) is dict else 0])
     return kinds
+
+
+def tables_in(annotation: Any) -> list[list[type[Record]]]:
+    """Types of the tables of an input, each kind with a name by itself; those without have one table together."""
+    kinds = records_in(annotation)
+    unnamed = [kind for kind in kinds if kind_of(kind) is None]
+    return [*([unnamed] if unnamed else []), *([kind] for kind in kinds if kind not in unnamed)]
+
+
+def fields_of(kinds: Sequence[type[Record]]) -> dict[str, FieldInfo]:
+    """Described fields of kinds that have one table together."""
+    return {key: field for kind in kinds for key, field in kind.described_fields().items()}
+
+
+def telling(kind: type[Record], kinds: Iterable[type[Record]]) -> list[str]:
+    """Needed inputs of a kind that tell it from others, which do not need them."""
+    needed = [{key for key, field in one.model_fields.items() if field.is_required()} for one in kinds]
+    return [key for key, field in kind.model_fields.items() if field.is_required() and not all(key in one for one in needed)]
+
+
+def _tables_of_inputs(kinds: Sequence[type[Record]], units: Units, path: str) -> list[tuple[str, list[InputRow]]]:
+    """See `Record.tables_of_inputs`; `path`: that of this table in the case, with a point at the end."""
+    rows, inner = [], []
+    optional = {key for kind in kinds for key in telling(kind, kinds)}
+    for key, field in fields_of(kinds).items():
+        unit = us_key(key) if units == "us" else None
+        is_needed = field.is_required() and key not in optional
+        default = "needed" if is_needed else default_text(field, unit)
+        tables = tables_in(field.annotation)
+        several = "[]" if any(get_origin(kind) is list for kind in alternatives(field.annotation)) else ""
+        for table in tables:
+            tag = kind_of(table[0]) if len(tables) > 1 else None
+            inner += _tables_of_inputs(table, units, f"{path}{key}{several}.{f'{tag}: ' if tag else ''}")
+        words = allowed(field, unit)
+        if len(tables) == 1 and are_tables(field.annotation):
+            words = f"a table, [{path}{key}{several}]"
+            default = default if is_needed else "none"
+        rows.append((unit.name if unit else key, default, words, field.description or ""))
+    return [(path.rstrip("."), rows), *inner]
 
 
 def are_tables(annotation: Any) -> bool:
@@ -629,7 +668,9 @@ def _input_error(
     """Say in the words of this program what pydantic refuses: what was given, what is allowed and what to do."""
     faults: dict[Key, tuple[str, str, str]] = {}
     for error in reason.errors(include_url=False):
-        key, kinds, field, given = _located(record, values, error["loc"])
+        if (located := _located(record, values, error["loc"])) is None:  # it is another one of several kinds
+            continue
+        key, kinds, field, given = located
         table = kinds[0]
         if key in faults or _is_of_another_type(error, field, given):  # refused by each of several types
             continue
@@ -647,6 +688,10 @@ def _input_error(
             if error["type"] == "missing":
                 text = f"{where(key[:-1])}no {key_text(key)}"
             faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
+            if error["type"] == "missing" and kind_of(table) is None and last in telling(table, kinds):
+                choices = dict.fromkeys(choice for kind in kinds for choice in telling(kind, kinds))
+                text = f"{where(key[:-1])}{key_text(key[:-1])} without {', '.join(choices)}"
+                faults[key] = text, "one of them", "add one of them"
         elif unit is not None:
             text = f"{where(key)}{key_text(key)}, and the same quantity in another unit"
             faults[key] = text, "one of them", f"leave {last} or the other one out"
@@ -670,9 +715,7 @@ def _is_of_another_type(error: Any, field: FieldInfo | None, given: Any) -> bool
 def _of_check(error: Any, place: str, key: Key) -> tuple[str, str, str]:
     reason = error["ctx"]["error"]
     above = f"{key_text(key)}: " if key else ""
-    if isinstance(reason, InputError):
-        return f"{place}{above}{reason.given}", reason.allowed, reason.advice
-    return f"{place}{above}{reason}", "one of them", "leave one of them out"
+    return f"{place}{above}{reason.given}", reason.allowed, reason.advice
 
 
 class _RefusedError(InputError, ValueError):
@@ -689,6 +732,9 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
     table, *others = kinds
     inside, last = key_text(key[:-1]), str(key[-1])
     having = [str(kind_of(kind)) for kind in others if last in kind.model_fields]
+    if having and kind_of(table) is None:
+        both = f"{last} and {' and '.join(telling(table, kinds))}"
+        return f"{place}{inside}: {both}", "one of them", "leave one of them out"
     if having:
         advice = f"leave {last} out, or give {inside}.{TAG} = {having[0]}"
         return f"{place}{key_text(key)}: only {' and '.join(having)} have one", f"{last} of {', '.join(having)}", advice
@@ -703,10 +749,23 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
     return text, f"the inputs of {inside or record.called()}: {', '.join(known)}", advice
 
 
-def _located(record: type[Record], values: Any, location: Key) -> tuple[Key, list[type[Record]], FieldInfo | None, Any]:
+def _nearest_kind(kinds: list[type[Record]], values: Any) -> type[Record]:
+    """Kind that has most of the written inputs and lacks least of what tells it."""
+    given = values if isinstance(values, Mapping) else {}
+
+    def fit(kind: type[Record]) -> tuple[int, int]:
+        names = {kind.input_named(str(key))[0] for key in given}
+        return len(names & kind.model_fields.keys()), -len({*telling(kind, kinds)} - names)
+
+    return max(kinds, key=fit)
+
+
+def _located(
+    record: type[Record], values: Any, location: Key
+) -> tuple[Key, list[type[Record]], FieldInfo | None, Any] | None:
     """Path of a fault as it was written, the table that it is in, the field, None for unknown keys, and what was given.
 
-    Behind the table are the other kinds that could be in its place.
+    Behind the table are the other kinds that could be in its place. None of a kind that is not the one which was meant.
     """
     path: list[str | int] = []
     tables, inner, field, is_name = [record], [record], None, False
@@ -714,8 +773,12 @@ def _located(record: type[Record], values: Any, location: Key) -> tuple[Key, lis
         if isinstance(item, int) or is_name:
             is_name = False
         else:
-            tagged = [kind for kind in inner if item in (kind_of(kind), kind.__name__)]
-            if path and field is not None and (tagged or item.startswith(("list[", "dict[")) or item in _TYPES):
+            name = item.removesuffix("]").rpartition(", ")[2]  # also of function-after[_agree(), WheelFile]
+            tagged = [kind for kind in inner if name in (kind_of(kind), kind.__name__)]
+            if path and field is not None and (tagged or item.startswith(("list[", "dict[", "is-instance[")) or item in _TYPES):
+                unnamed = [kind for kind in inner if kind_of(kind) is None]
+                if tagged and kind_of(tagged[0]) is None and tagged[0] is not _nearest_kind(unnamed, values):
+                    return None
                 inner = [*tagged, *(kind for kind in inner if kind not in tagged)]
                 continue  # the name of one of several types
             if not inner:

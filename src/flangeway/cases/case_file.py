@@ -32,10 +32,12 @@ from flangeway.records import (
     are_tables,
     closest,
     default_of,
+    fields_of,
     key_text,
     kind_of,
     path_by_ending,
     records_in,
+    tables_in,
     with_settings,
 )
 from flangeway.system.file_content import TomlFile, TomlKind, is_file
@@ -354,7 +356,7 @@ def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
         f"flangeway = {FORMAT}  # format of this file",
         f'case = "{case.name}"',
     ]
-    return "\n".join([*lines, *_template_of(case, (), example, case.essential, units)]) + "\n"
+    return "\n".join([*lines, *_template_of([case], (), example, case.essential, units)]) + "\n"
 
 
 def write_case_file(case: RunnableCase) -> str:
@@ -461,15 +463,17 @@ def _toml_key(key: str) -> str:
 
 
 def _template_of(
-    record: type[Record], above: tuple[str, ...], example: Mapping[str, Any], essential: Sequence[str], units: Units
-) -> list[str]:
-    """Lines of a record: keys with their meanings, those of the example and the essential ones set, then its tables.
+    records: list[type[Record]], above: tuple[str, ...], example: Mapping[str, Any], essential: Sequence[str],
+    units: Units,
+) -> list[str]:  # fmt: skip
+    """Lines of a table: keys with their meanings, those of the example and the essential ones set, then its tables.
 
+    - `records`: kinds that have the table together.
     - `above`: path of its table.
     """
     lines, inner = list[str](), list[str]()
-    for key, field in record.described_fields().items():
-        path, kinds = (*above, key), records_in(field.annotation)
+    for key, field in fields_of(records).items():
+        path, tables = (*above, key), tables_in(field.annotation)
         if not are_tables(field.annotation):
             value = example.get(key, default_of(field))
             active = key in example or ".".join(path) in essential
@@ -480,16 +484,16 @@ def _template_of(
         items = items if isinstance(items, list) else [items]
         is_set = bool(items) or any(entry.startswith(f"{name}.") for entry in essential)
         header = f"[[{name}]]" if list in origins else f"[{name}]"
-        kind = type(default) if isinstance(default := default_of(field), Record) else kinds[0]
-        tags = [f"{TAG} = {kind_of(one)}" for one in kinds if kind_of(one)]
-        words = f" ({', '.join(tags)})" if len(kinds) > 1 else ""
+        default = type(default_of(field))
+        table = next((kinds for kinds in tables if default in kinds), tables[0])
+        words = f" ({', '.join(f'{TAG} = {kind_of(kind)}' for kind, *_ in tables)})" if len(tables) > 1 else ""
         inner += ["", "", *_comment(f"{field.description}{words}")]
-        body = _template_of(kind, path, items[0] if items else _tagged(kind), essential, units)
+        body = _template_of(table, path, items[0] if items else _tagged(table[0]), essential, units)
         # a table that is not set is a comment with all that is in it, and so are the other kinds of one
         inner += [header, *body] if is_set else _commented([header, *body])
-        for other in kinds:
-            if other is not kind and not is_set:
-                inner += _commented(_template_of(other, path, _tagged(other), (), units))
+        for other in tables:
+            if other is not table and not is_set:
+                inner += _commented(_template_of(other, path, _tagged(other[0]), (), units))
         for item in items[1:]:
             inner += ["", header, *(_line(entry, value, units) for entry, value in item.items())]
     return [*lines, *inner]
@@ -606,15 +610,19 @@ def _accept_all_spellings(table: dict[str, Any], record: type[Record] | None) ->
     units = {key: unit for key in table.get("properties", {}) if (unit := us_key(key))}
     for key, unit in units.items():
         table["properties"].setdefault(unit.name, _in_us(table["properties"][key], unit))
-    needed = [key for key in table.get("required", []) if key in units]
-    conditions: list[dict[str, Any]] = [
-        {"anyOf": [{"required": [name]} for name in (key, units[key].name)]} for key in needed
-    ]
+
+    def written(*keys: str) -> dict[str, Any]:
+        names = [name for key in keys for name in (key, *([units[key].name] if key in units else []))]
+        return {"anyOf": [{"required": [name]} for name in names]}
+
+    conditions = [written(key) for key in table.get("required", []) if key in units]
     conditions += [{"not": {"required": [key, unit.name]}} for key, unit in units.items()]
-    for pair in record.exclusive if record is not None else ():
-        spellings = [[key, *([units[key].name] if key in units else [])] for key in pair]
-        conditions += [{"not": {"required": [*both]}} for both in itertools.product(*spellings)]
-    if needed:
+    if record is not None:
+        pairs = [pair for group in record.exclusive for pair in itertools.combinations(group, 2)]
+        conditions += [{"not": {"allOf": [written(one), written(other)]}} for one, other in pairs]
+        conditions += [written(*group) for group in record.needed]
+        conditions += [{"anyOf": [{"not": written(key)}, written(other)]} for key, other in record.needs.items()]
+    if "required" in table:
         table["required"] = [key for key in table["required"] if key not in units]
     if conditions:
         table["allOf"] = conditions
