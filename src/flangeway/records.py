@@ -133,7 +133,7 @@ class Record(_Base):
 
     exclusive: ClassVar[tuple[tuple[str, ...], ...]] = ()  # groups of inputs of which one at most is written
     needed: ClassVar[tuple[tuple[str, ...], ...]] = ()  # groups of inputs of which one at least is written
-    needs: ClassVar[Mapping[str, str]] = {}  # inputs by those without which they have no effect
+    needs: ClassVar[tuple[tuple[str, str], ...]] = ()  # inputs before those without which they have no effect
 
     @classmethod
     def described_fields(cls) -> dict[str, FieldInfo]:
@@ -200,7 +200,7 @@ class Record(_Base):
         for group in self.needed:
             if written.isdisjoint(group):
                 raise refused_by_check(f"none of {', '.join(group)}", "one of them", f"add one, such as {group[0]}")
-        for key, other in self.needs.items():
+        for key, other in self.needs:
             if getattr(self, other) is None and getattr(self, key) != default_of(type(self).model_fields[key]):
                 raise refused_by_check(f"{key} without {other}", "both, or none", f"give {other}, or leave {key} out")
         return self
@@ -309,7 +309,9 @@ def fields_of(kinds: Sequence[type[Record]]) -> dict[str, FieldInfo]:
 def telling(kind: type[Record], kinds: Iterable[type[Record]]) -> list[str]:
     """Needed inputs of a kind that tell it from others, which do not need them."""
     needed = [{key for key, field in one.model_fields.items() if field.is_required()} for one in kinds]
-    return [key for key, field in kind.model_fields.items() if field.is_required() and not all(key in one for one in needed)]
+    return [
+        key for key, field in kind.model_fields.items() if field.is_required() and any(key not in one for one in needed)
+    ]
 
 
 def _tables_of_inputs(kinds: Sequence[type[Record]], units: Units, path: str) -> list[tuple[str, list[InputRow]]]:
@@ -775,7 +777,7 @@ def _located(
         else:
             name = item.removesuffix("]").rpartition(", ")[2]  # also of function-after[_agree(), WheelFile]
             tagged = [kind for kind in inner if name in (kind_of(kind), kind.__name__)]
-            if path and field is not None and (tagged or item.startswith(("list[", "dict[", "is-instance[")) or item in _TYPES):
+            if path and field is not None and (tagged or item.startswith(_LABELS) or item in _TYPES):
                 unnamed = [kind for kind in inner if kind_of(kind) is None]
                 if tagged and kind_of(tagged[0]) is None and tagged[0] is not _nearest_kind(unnamed, values):
                     return None
@@ -798,5 +800,6 @@ def _located(
     return tuple(path), tables, field, values
 
 
+_LABELS = ("list[", "dict[", "is-instance[")
 _TYPES = ("float", "int", "str", "bool", "tuple", "constrained-str", "constrained-float", "constrained-int")
 """What pydantic calls plain types in the places of errors."""

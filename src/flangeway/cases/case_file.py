@@ -621,7 +621,7 @@ def _accept_all_spellings(table: dict[str, Any], record: type[Record] | None) ->
         pairs = [pair for group in record.exclusive for pair in itertools.combinations(group, 2)]
         conditions += [{"not": {"allOf": [written(one), written(other)]}} for one, other in pairs]
         conditions += [written(*group) for group in record.needed]
-        conditions += [{"anyOf": [{"not": written(key)}, written(other)]} for key, other in record.needs.items()]
+        conditions += [{"anyOf": [{"not": written(key)}, written(other)]} for key, other in record.needs]
     if "required" in table:
         table["required"] = [key for key in table["required"] if key not in units]
     if conditions:

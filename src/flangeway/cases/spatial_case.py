@@ -11,8 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_model import elements_of
-from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, body_shape, elastic, listed
+from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, Names, body_shape, listed
 from flangeway.cases.case import Case, PresetCase, RunnableCase, example_of
 from flangeway.cases.patch_quantities import (
     ANGLE,
@@ -143,13 +142,13 @@ DEPTHS = 3.0
 class SpatialBodyTable(BodyTable):
     """A prism along z, or a body of revolution, by its section in the plane z = 0."""
 
-    contact_edges: str | list[str]
+    contact_edges: Names
     """edge sets of its contact surface, one chain"""
-    held_edges: str | list[str] | None = None
+    held_edges: Names | None = None
     """edge sets that are held"""
     hold: str = Field("xyz", pattern="^[xyz]+$")
     """held components, some of x, y, z"""
-    foundation_edges: str | list[str] | None = None
+    foundation_edges: Names | None = None
     """edge sets on an elastic foundation"""
     foundation_N_mm3: tuple[float, float, float] | None = Field(None, strict=False)
     """pressure per displacement of the foundation along x, y and z"""
@@ -159,6 +158,10 @@ class SpatialBodyTable(BodyTable):
     """angle of the axis from x, counter-clockwise"""
     yaw_deg: float = Field(default=0.0, ge=-45.0, le=45.0)
     """rotation of the axis about y, from x towards z"""
+
+    needs = (
+        *BodyTable.needs, ("foundation_edges", "foundation_N_mm3"), ("foundation_N_mm3", "foundation_edges")
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +239,9 @@ class SpatialCase(RunnableCase):
     bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
     """the lower body, then the upper one"""
 
+    exclusive = needed = (("force_kN", "approach_mm"),)
+    needs = (("cell_mm", "window_mm"), ("window_mm", "cell_mm"))
+
     def check(self) -> None:
         """See `RunnableCase.check`; the bodies are meshed coarsely."""
         self.coarse([])
@@ -271,11 +277,6 @@ class SpatialCase(RunnableCase):
 
     def coarse(self, notices: list[str]) -> list[PatchBody]:
         """Bodies as they are without refinement at the patch, after all inputs are checked."""
-        if (self.force_kN is None) == (self.approach_mm is None):
-            both = "force_kN and approach_mm" if self.force_kN is not None else "neither force_kN nor approach_mm"
-            raise InputError(f"{both}", "one of them", "give the force, or the approach")
-        if (self.cell_mm is None) != (self.window_mm is None):
-            raise InputError("one of cell_mm and window_mm", "both or none", "give both, or leave both out")
         return [self._body(number, notices) for number in (0, 1)]
 
     def _grid(self, bodies: Sequence[PatchBody], force: float | None) -> PatchGrid:
@@ -309,17 +310,10 @@ class SpatialCase(RunnableCase):
             if given is not None:
                 supports[name] = f"{key}.{name}"
                 mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(edges) for edges in listed(given)]))
-        if (table.foundation_edges is None) != (table.foundation_N_mm3 is None):
-            raise InputError(f"{key} with one of foundation_edges and foundation_N_mm3", "both or none", "give both")
         names = listed(table.contact_edges)
         chain = mesh.chain(*names).astype(np.int64)
-        material = {name: elastic(material, "plane-strain") for name, material in table.materials.items()}
         problem = Harmonic(
-            Elasticity(
-                Space(mesh, elements_of(table)),
-                material or elastic(table, "plane-strain"),
-                name=table.name,
-            ),
+            Elasticity(Space(mesh, table.element(mesh)), table.material("plane-strain"), name=table.name),
             held={supports["held_edges"]: table.hold} if "held_edges" in supports else None,
             foundations=[Foundation(supports["foundation_edges"], *table.foundation_N_mm3)]
             if table.foundation_N_mm3 is not None

@@ -1,10 +1,11 @@
 """Inputs of the general case as tables, and from them the meshes of its bodies and positions on their boundaries."""
 
 # ruff: noqa: N815 (units in names)
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,8 @@ from flangeway.contact import (
     SegmentToSegment,
 )
 from flangeway.contact.node_to_segment import OPEN_SLACK
-from flangeway.errors import InputError, located
+from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
+from flangeway.errors import InputError, located, short
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.mesh_repair import with_arcs
@@ -32,6 +34,17 @@ from flangeway.geometry.arrays import IntArray, norms
 from flangeway.geometry.region import Region
 from flangeway.materials import Elastic, Hypothesis
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
+from flangeway.problems import (
+    BodyForce,
+    Gravity,
+    PointForce,
+    PrescribedDisplacement,
+    Pressure,
+    Spring,
+    TemperatureChange,
+    Traction,
+)
+from flangeway.problems.loads import AppliedLoad
 from flangeway.records import (
     Box,
     ElementOrder,
@@ -64,6 +77,16 @@ Stabilisation = Annotated[
     Literal["default", "trace"],
     Field(description="stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"),
 ]
+
+
+Names = str | Annotated[list[str], Field(min_length=1)]
+"""One name or several."""
+Where = str | tuple[float, float]
+"""Name of an edge set, or a point."""
+MAX_EDGES = 100_000  # points of a refinement along a side: no mesh can be as fine
+MM_PER_M = 1e3
+Role = Literal["secondary", "primary"]
+ROLES: tuple[Role, Role] = ("secondary", "primary")
 
 
 class SegmentPairing(Record):
@@ -203,6 +226,10 @@ class RectangleTable(Record):
     centre_mm: Pair = (0.0, 0.0)
     """its middle"""
 
+    def region(self) -> Region:
+        """The shape."""
+        return Region(rectangle(self.width_mm, self.height_mm, self.centre_mm))
+
 
 class DiscTable(Record):
     """A disc with the edge set ``rim``; a half disc has its straight side as ``cut``, and an ``arc`` about its apex."""
@@ -216,18 +243,44 @@ class DiscTable(Record):
     arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
     """angle of the side arc about the apex of a half (default: none, all is rim)"""
 
+    needs = (("arc_deg", "half"),)
+
+    def region(self) -> Region:
+        """The shape."""
+        if self.half is None:
+            return Region(circle(self.radius_mm, self.centre_mm, name="rim"))
+        arc = None if self.arc_deg is None else float(np.deg2rad(self.arc_deg))
+        return Region(half_disc(self.radius_mm, self.centre_mm, self.half, arc))
+
 
 class FineTable(Record):
     """Where a mesh is finer."""
 
     size_mm: ElementSize
     """edge length of the triangles there"""
-    edges: str | list[str] | None = None
+    edges: Names | None = None
     """sides of the outline along which the mesh is finer"""
-    at_mm: list[Pair] | None = None
+    at_mm: list[Pair] | None = Field(None, min_length=1)
     """points of a polyline along which the mesh is finer"""
     growth: Fraction = 0.15
     """growth of the edge length per distance"""
+
+    exclusive = needed = (("edges", "at_mm"),)
+
+    def refinement(self, key: str, region: Region) -> Refinement:
+        """Along the polyline, or along sides of the outline by points four edges apart."""
+        points = np.array(self.at_mm or ())
+        if self.edges is not None:
+            sides = [pair for loop in region.loops for pair in zip(loop.names, loop.segments, strict=True)]
+            for name in listed(self.edges):
+                require_known(f"{key}.edges", name, sorted({name for name, _ in sides}))
+            counts = [
+                (side, math.ceil(min(side.length / (4.0 * self.size_mm), MAX_EDGES)) + 1)
+                for name, side in sides
+                if name in listed(self.edges)
+            ]
+            points = np.vstack([side.point(np.linspace(0.0, 1.0, n)) for side, n in counts])
+        return Refinement(points, self.size_mm, self.growth)
 
 
 class MaterialTable(Record):
@@ -242,13 +295,12 @@ class MaterialTable(Record):
     expansion_per_K: float | None = None
     """thermal strain per kelvin, for temperature_K"""
 
-
-def elastic(table: MaterialTable, hypothesis: HypothesisName) -> Elastic:
-    """Material of a table under a hypothesis on the direction out of the plane."""
-    density = None if table.density_kg_m3 is None else T_PER_MM3 * table.density_kg_m3
-    return Elastic(
-        table.young_MPa, table.poisson, HYPOTHESES[hypothesis], density=density, expansion=table.expansion_per_K
-    )
+    def elastic(self, hypothesis: HypothesisName) -> Elastic:
+        """Material under a hypothesis on the direction out of the plane."""
+        density = None if self.density_kg_m3 is None else T_PER_MM3 * self.density_kg_m3
+        return Elastic(
+            self.young_MPa, self.poisson, HYPOTHESES[hypothesis], density=density, expansion=self.expansion_per_K
+        )
 
 
 class ShapeTable(Record):
@@ -268,7 +320,7 @@ class ShapeTable(Record):
     """unit of the file's coordinates (default: that in the file, or mm)"""
     layers: list[str] = Field([])
     """layers of a .dxf file, shown or not (default: what is visible)"""
-    cells: str | list[str] | None = None
+    cells: Names | None = None
     """cell sets of a mesh that form this body (default: all cells)"""
     shift_mm: Pair = (0.0, 0.0)
     """shift of the shape, after its rotation"""
@@ -287,6 +339,8 @@ class ShapeTable(Record):
     fine: list[FineTable] = Field([])
     """regions with smaller triangles"""
 
+    exclusive = needed = (("rectangle", "disc", "outline", "file"),)
+
 
 class BodyTable(MaterialTable, ShapeTable):
     """An elastic body: its shape, mesh, elements and material."""
@@ -294,15 +348,33 @@ class BodyTable(MaterialTable, ShapeTable):
     materials: dict[str, MaterialTable] = Field({})
     """materials by the names of cell sets of the mesh"""
 
+    needs: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("unit", "file"),
+        ("layers", "file"),
+        ("cells", "file"),
+        ("materials", "file"),
+    )
 
-class PlaceTable(Record):
-    """A part of a body's boundary: the edges that all the given keys allow, or a point."""
+    def material(self, hypothesis: HypothesisName) -> Elastic | dict[str, Elastic]:
+        """Material under a hypothesis, by cell set where there are several."""
+        by_cells = {cells: material.elastic(hypothesis) for cells, material in self.materials.items()}
+        return by_cells or self.elastic(hypothesis)
+
+    def element(self, mesh: PolyMesh) -> Element | dict[str, Element]:
+        """Elements on a mesh, by cell set where halved edges or inserted nodes made polygons of some triangles."""
+        virtual = Virtual(self.order, TraceStabilisation() if self.stabilisation == "trace" else None)
+        lagrange = Lagrange(self.order)
+        mixed = (mesh.cell_sizes > 3).any()
+        finite = {"triangles": lagrange, "polygons": virtual} if mixed else lagrange
+        return finite if self.method == "fem" else virtual
+
+
+class EdgesTable(Record):
+    """A part of a body's boundary: the edges that all the given keys allow."""
 
     body: str
     """name of the body"""
-    point_mm: Pair | None = None
-    """a point of the mesh instead of edges"""
-    edges: str | list[str] | None = None
+    edges: Names | None = None
     """names of edge sets"""
     at_x_mm: float | None = None
     """boundary edges on the line of this x"""
@@ -311,52 +383,184 @@ class PlaceTable(Record):
     box_mm: Box | None = None
     """boundary edges inside x_min, y_min, x_max, y_max"""
 
+    needed = (("edges", "at_x_mm", "at_y_mm", "box_mm"),)
 
-class SupportTable(PlaceTable):
-    """A support, with or without a prescribed displacement."""
+    def found(self, mesh: PolyMesh, key: str) -> IntArray:
+        """Return the edges on a mesh, pairs of points (n, 2)."""
+        with located(f"{key}{'' if self.edges is None else '.edges'}: "):
+            return mesh.edge_set(self.edges, within=self.box_mm, at_x=self.at_x_mm, at_y=self.at_y_mm)
+
+    def where(self, key: str) -> Where:
+        """Position for supports and loads: the edges have the name of their table."""
+        return key
+
+
+class PointTable(Record):
+    """A point of a body's mesh, with order 2 also the middle of an edge."""
+
+    body: str
+    """name of the body"""
+    point_mm: Pair
+    """a point of the mesh instead of edges"""
+
+    def where(self, key: str) -> Where:  # noqa: ARG002 (see `EdgesTable.where`)
+        """The point."""
+        return self.point_mm
+
+
+class _Support(Record):
+    """Held components of what supports hold."""
 
     hold: Literal["x", "y", "xy"] = "xy"
     """fixed components"""
-    x_mm: float = 0.0
-    """prescribed displacement of a fixed x component"""
-    y_mm: float = 0.0
-    """prescribed displacement of a fixed y component"""
+    x_mm: float | None = None
+    """prescribed displacement in x, which it then holds (default: 0 where x is fixed)"""
+    y_mm: float | None = None
+    """prescribed displacement in y, which it then holds (default: 0 where y is fixed)"""
+
+    def support(self, where: Where) -> PrescribedDisplacement:
+        """As problems take it."""
+        given = {"x": self.x_mm, "y": self.y_mm}
+        x, y = (0.0 if axis in self.hold and value is None else value for axis, value in given.items())
+        return PrescribedDisplacement(where, x, y)
 
 
-class SpringTable(PlaceTable):
-    """An elastic support, whose other end is fixed, or moves with the body's supports."""
+class EdgesSupport(_Support, EdgesTable):
+    """A support of edges, with or without a prescribed displacement."""
 
-    x_MPa_mm: NotNegative | None = None
+
+class PointSupport(_Support, PointTable):
+    """A support of a point."""
+
+
+class EdgesSpring(EdgesTable):
+    """An elastic support of edges, whose other end is fixed, or moves with the body's supports."""
+
+    x_MPa_mm: NotNegative = 0.0
     """stiffness of edges in x, pressure per displacement"""
-    y_MPa_mm: NotNegative | None = None
+    y_MPa_mm: NotNegative = 0.0
     """the same in y"""
-    x_N_mm: NotNegative | None = None
+
+    def support(self, where: Where) -> Spring:
+        """See `EdgesSupport.support`."""
+        return Spring(where, self.x_MPa_mm, self.y_MPa_mm)
+
+
+class PointSpring(PointTable):
+    """An elastic support of a point."""
+
+    x_N_mm: NotNegative = 0.0
     """stiffness of a point in x, force per displacement"""
-    y_N_mm: NotNegative | None = None
+    y_N_mm: NotNegative = 0.0
     """the same in y"""
 
+    def support(self, where: Where) -> Spring:
+        """See `EdgesSupport.support`."""
+        return Spring(where, self.x_N_mm, self.y_N_mm)
 
-class LoadTable(PlaceTable):
-    """A load: one of the last seven keys."""
 
+class PressureLoad(EdgesTable):
+    """A pressure on edges."""
+
+    pressure_MPa: float
+    """pressure on edges, positive into the body"""
+
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002 (of forces)
+        """As problems take it.
+
+        - `where`: name of its edges, or the point.
+        - `area`: of its edges.
+        """
+        return Pressure(where, self.pressure_MPa)
+
+
+class TractionLoad(EdgesTable):
+    """A force per area of edges."""
+
+    traction_MPa: Pair
+    """force per area of edges, x and y"""
+
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002
+        """See `PressureLoad.load`."""
+        return Traction(where, self.traction_MPa)
+
+
+class EdgesForce(EdgesTable):
+    """A force that is spread evenly over edges."""
+
+    force_N: Pair
+    """force at a point, or spread evenly over edges"""
+
+    def load(self, where: Any, area: float) -> AppliedLoad:
+        """See `PressureLoad.load`."""
+        return Traction(where, (self.force_N[0] / area, self.force_N[1] / area))
+
+
+class NodeForce(PointTable):
+    """A force at a point."""
+
+    force_N: Pair
+    """force at a point, or spread evenly over edges"""
+
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002
+        """See `PressureLoad.load`."""
+        return PointForce(where, self.force_N)
+
+
+class CellsTable(Record):
+    """Cells of a body."""
+
+    body: str
+    """name of the body"""
     cells: str | None = None
     """cell set for body_force_N_mm3 and temperature_K (default: the whole body)"""
-    pressure_MPa: float | None = None
-    """pressure on edges, positive into the body"""
-    traction_MPa: Pair | None = None
-    """force per area of edges, x and y"""
-    force_N: Pair | None = None
-    """force at a point, or spread evenly over edges"""
-    body_force_N_mm3: Pair | None = None
+
+    def where(self, key: str) -> str | None:  # noqa: ARG002 (see `EdgesTable.where`)
+        """The cells."""
+        return self.cells
+
+
+class VolumeForce(CellsTable):
+    """A force per volume."""
+
+    body_force_N_mm3: Pair
     """force per volume"""
-    gravity_m_s2: Pair | None = None
-    """acceleration of the weight of the whole body: [0.0, -9.81]"""
-    temperature_K: float | None = None
+
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002
+        """See `PressureLoad.load`."""
+        return BodyForce(self.body_force_N_mm3, where)
+
+
+class Heating(CellsTable):
+    """A rise of the temperature."""
+
+    temperature_K: float
     """rise of the temperature"""
 
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002
+        """See `PressureLoad.load`."""
+        return TemperatureChange(self.temperature_K, where)
 
-class MotionTable(Record):
-    """Rigid motion of all supports of a body, or a force on them."""
+
+class Weight(Record):
+    """The weight of a whole body."""
+
+    body: str
+    """name of the body"""
+    gravity_m_s2: Pair
+    """acceleration of the weight of the whole body: [0.0, -9.81]"""
+
+    def where(self, key: str) -> None:
+        """The whole body."""
+
+    def load(self, where: Any, area: float) -> AppliedLoad:  # noqa: ARG002
+        """See `PressureLoad.load`."""
+        x, y = self.gravity_m_s2
+        return Gravity((MM_PER_M * x, MM_PER_M * y))
+
+
+class Shift(Record):
+    """Rigid motion of all supports of a body."""
 
     body: str
     """name of the body"""
@@ -368,7 +572,22 @@ class MotionTable(Record):
     """rotation of the supports, counter-clockwise"""
     centre_mm: Pair = (0.0, 0.0)
     """centre of this rotation"""
-    push_N: Pair | None = None
+
+    @property
+    def placement(self) -> Placement:
+        """The motion."""
+        turn = Placement.about([self.centre_mm], float(np.deg2rad(self.rotation_deg)))
+        return Placement(0.0, self.shift_mm).after(turn)
+
+
+class Push(Record):
+    """A force on all supports of a body, in the first leg."""
+
+    body: str
+    """name of the body"""
+    leg: Literal[1] = 1
+    """the leg in which it acts"""
+    push_N: Pair
     """force on the supports: they move along it until the contact carries it"""
 
 
@@ -377,13 +596,13 @@ class ContactTable(Record):
 
     secondary: str
     """body with the secondary surface, whose nodes or edges carry the constraints"""
-    secondary_edges: str | list[str] | None = None
+    secondary_edges: Names | None = None
     """its edge sets (default: all free edges)"""
     secondary_box_mm: Box | None = None
     """only its edges inside x_min, y_min, x_max, y_max"""
     primary: str
     """body with the primary surface"""
-    primary_edges: str | list[str] | None = None
+    primary_edges: Names | None = None
     """its edge sets (default: all free edges)"""
     primary_box_mm: Box | None = None
     """only its edges inside x_min, y_min, x_max, y_max"""
@@ -396,6 +615,11 @@ class ContactTable(Record):
     enforcement: Law
     friction: float = Field(default=0.0, ge=0.0, le=10.0)
     """coefficient of Coulomb's friction"""
+
+    def side(self, role: Role) -> tuple[str, Names | None, Box | None, str]:
+        """Body of a surface, its edge sets, its box, and the key that a message about the edges names."""
+        edges = getattr(self, f"{role}_edges")
+        return getattr(self, role), edges, getattr(self, f"{role}_box_mm"), role if edges is None else f"{role}_edges"
 
 
 class StepsTable(Record):
@@ -413,15 +637,15 @@ class BodiesInputs(Case):
     """length of all bodies out of the plane"""
     hypothesis: HypothesisName = "plane-strain"
     """no strain, or no stress, out of the plane; or bodies of revolution about y, x the radius"""
-    bodies: list[BodyTable]
+    bodies: list[BodyTable] = Field(min_length=1)
     """the bodies: shape, mesh, elements and material of each"""
-    supports: list[SupportTable] = Field([])
+    supports: list[EdgesSupport | PointSupport] = Field([])
     """supports, with or without a prescribed displacement"""
-    springs: list[SpringTable] = Field([])
+    springs: list[EdgesSpring | PointSpring] = Field([])
     """elastic supports of edges and points"""
-    loads: list[LoadTable] = Field([])
+    loads: list[PressureLoad | TractionLoad | EdgesForce | NodeForce | VolumeForce | Heating | Weight] = Field([])
     """pressures, tractions, forces, weight and changes of temperature"""
-    motions: list[MotionTable] = Field([])
+    motions: list[Shift | Push] = Field([])
     """rigid motions of bodies in contact, or forces on supports"""
     contacts: list[ContactTable] = Field([])
     """pairs of surfaces that may touch"""
@@ -432,9 +656,9 @@ class BodiesInputs(Case):
 # --- Meshes of the bodies of a case file, and positions on their boundaries.
 
 
-SHAPES = ("rectangle", "disc", "outline", "file")
+OF_MESHES, OF_OUTLINES = ("cells", "materials"), ("size_mm", "fine", "halved_side", "layers")
+"""Keys that a shape has no use for where it is the other one of both."""
 DIAGONAL_PER_SIZE = 20.0  # diagonal of a shape per default edge length of its triangles
-MAX_EDGES = 100_000  # along a side of an outline: more is a mistake in a size
 
 
 @dataclass(frozen=True, eq=False)
@@ -462,22 +686,17 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     - `key`: how messages call its table.
     - `notices`: receives a notice for each repair.
     """
-    given = [shape for shape in SHAPES if getattr(body, shape) is not None]
-    if len(given) != 1:
-        raise InputError(
-            f"{key}.{given[1] if given else 'name'} = {body.name!r} with {' and '.join(given) or 'no shape'}",
-            f"one of {', '.join(SHAPES)}",
-            "keep one" if given else "add one, such as rectangle = { width_mm = 10.0, height_mm = 5.0 }",
-        )
     placement = Placement(np.deg2rad(body.rotation_deg), body.shift_mm)
-    if body.file is not None and Path(body.file).suffix.lower() not in ENDINGS:
-        return BodyShape(_mesh_of_file(body, key, notices).placed(placement))
-    for name in ("cells", "materials"):
+    is_mesh = body.file is not None and Path(body.file).suffix.lower() not in ENDINGS
+    for name in OF_OUTLINES if is_mesh else OF_MESHES:
         if value := getattr(body, name):
-            raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
+            what = "an outline" if is_mesh else "a mesh file"
+            raise InputError(f"{key}.{name} = {short(value)} of {body.file}", f"{name} of {what}", f"leave {name} out")
+    if is_mesh:
+        return BodyShape(_mesh_of_file(body, key, notices).placed(placement))
     region = _region(body, key, notices)
     diagonal = float(norms(np.ptp(region.outer.bounds(), axis=0)))
-    fine = [_refinement(table, f"{key}.fine[{n}]", region) for n, table in enumerate(body.fine, 1)]
+    fine = [table.refinement(f"{key}.fine[{n}]", region) for n, table in enumerate(body.fine, 1)]
     size = body.size_mm or diagonal / DIAGONAL_PER_SIZE
     mesh = triangulate(region, size=size, refinements=fine)
     mesh = dual(mesh) if body.method == "vem" else mesh
@@ -498,60 +717,17 @@ def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
         notices += [f"{body.name}: {notice}" for notice in drawn.notices]
         outer, *holes = [_in_mm(loop, UNITS_MM[drawn.unit]) for loop in drawn.section.regions[0].loops]
         return Region(outer, tuple(holes))
-    for name in ("unit", "layers"):
-        if value := getattr(body, name):
-            raise InputError(f"{key}.{name} = {value!r} without file", f"{name} of a file", "leave it out, and give mm")
-    if body.rectangle is not None:
-        shape = body.rectangle
-        return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm))
-    if body.disc is not None:
-        disc = body.disc
-        if disc.half is None:
-            return Region(circle(disc.radius_mm, disc.centre_mm, name="rim"))
-        arc = None if disc.arc_deg is None else float(np.deg2rad(disc.arc_deg))
-        return Region(half_disc(disc.radius_mm, disc.centre_mm, disc.half, arc))
-    return outline_region(body.outline or {}, f"{key}.outline: ", notices)
-
-
-def _refinement(fine: FineTable, key: str, region: Region) -> Refinement:
-    """Where a mesh is finer: along a polyline, or along sides of the outline by points four edges apart."""
-    given = [name for name in ("edges", "at_mm") if getattr(fine, name) is not None]
-    if len(given) != 1:
-        raise InputError(f"{key} with {' and '.join(given) or 'no position'}", "edges, or at_mm", "give one of both")
-    if not (fine.at_mm or fine.edges):
-        raise InputError(f"{key}.{given[0]} = []", "one position or more", f"give positions, or remove {key}")
-    if fine.at_mm is not None:
-        return Refinement(np.array(fine.at_mm).reshape(-1, 2), fine.size_mm, fine.growth)
-    sides = [(name, side) for loop in region.loops for name, side in zip(loop.names, loop.segments, strict=True)]
-    wanted = listed(fine.edges)
-    for name in wanted:
-        require_known(f"{key}.edges", name, sorted({name for name, _ in sides}))
-    chosen = [side for name, side in sides if name in wanted]
-    longest = max(side.length for side in chosen)
-    if longest > MAX_EDGES * fine.size_mm:
-        raise InputError(
-            f"{key}.size_mm = {fine.size_mm:g} along {longest:g} mm",
-            f"at most {MAX_EDGES} edges along a side",
-            "take a larger size",
-        )
-    points = [
-        side.point(np.linspace(0.0, 1.0, int(np.ceil(side.length / (4.0 * fine.size_mm))) + 1)) for side in chosen
-    ]
-    return Refinement(np.vstack(points), fine.size_mm, fine.growth)
+    shape = body.rectangle or body.disc
+    return outline_region(body.outline or {}, f"{key}.outline: ", notices) if shape is None else shape.region()
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
-    for name in ("size_mm", "fine", "halved_side", "layers"):
-        if getattr(body, name) not in (None, []):
-            raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
     repairs, mesh = list(read.notices), read.mesh
     if body.cells is not None:
         wanted = listed(body.cells)
         what = "cell sets of the file"
-        if not wanted:
-            raise InputError(f"{key}.cells = []", f"{what}: {', '.join(sorted(mesh.cell_sets))}", "leave cells out")
         for name in wanted:
             require_known(f"{key}.cells", name, sorted(mesh.cell_sets), what)
         joined = read.part(*wanted)
@@ -588,33 +764,3 @@ def _in_mm(outline: Outline, factor: float) -> Outline:
 def listed(names: str | Sequence[str] | None) -> list[str]:
     """Names of which one, or a list, or none is given."""
     return [names] if isinstance(names, str) else list(names or ())
-
-
-Where = str | tuple[float, float]
-
-ON_LINE = 1e-6  # distance relative to the size of the mesh up to which a point lies on a line or in a box
-
-
-def keys_of_place(table: PlaceTable) -> list[str]:
-    """Keys of a table that say where, but for a point."""
-    return [name for name in ("edges", "at_x_mm", "at_y_mm", "box_mm") if getattr(table, name) is not None]
-
-
-def edges_at(mesh: PolyMesh, table: PlaceTable, key: str) -> IntArray:
-    """Boundary edges at the position of a table, pairs of points (n, 2)."""
-    with located(f"{key}{'' if table.edges is None else '.edges'}: "):
-        return mesh.edge_set(table.edges, within=table.box_mm, at_x=table.at_x_mm, at_y=table.at_y_mm)
-
-
-def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
-    """Exact position of a point of a mesh, for order 2 also of the middle of an edge; an error names the nearest."""
-    spots = mesh.points if order == 1 else np.vstack((mesh.points, mesh.points[mesh.edges].mean(axis=1)))
-    apart = norms(spots - point)
-    nearest = spots[apart.argmin()]
-    if apart.min() > ON_LINE * float(norms(np.ptp(mesh.points, axis=0))):
-        raise InputError(
-            f"{key}.point_mm = [{point[0]:g}, {point[1]:g}]",
-            f"a point of the mesh of {body!r}; the nearest is [{nearest[0]:.9g}, {nearest[1]:.9g}]",
-            "give a corner of the outline or a point of the mesh",
-        )
-    return float(nearest[0]), float(nearest[1])
