@@ -54,7 +54,7 @@ def collective() -> Collective:
 
 def _step() -> Measurement:
     states, times = collective(), list[float]()
-    evolution = Evolution(states, {"wheel": UsfdLaw()}, EvolutionSettings(STEP_KM))
+    evolution = Evolution(states, {"wheel": UsfdLaw()}, EvolutionSettings(end=STEP_KM))
     first, number = states.states[-1], len(states.states)
     result = solve_spatial(first.problem)
     errors = []

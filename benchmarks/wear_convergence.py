@@ -30,7 +30,7 @@ def varied(file: DamageFile, variant: str) -> DamageFile:
         states = [state | {"parts": 2 * state.get("parts", 1)} if ranges_of(state) else state for state in states]
     elif variant == "half the steps":
         for key, part in (("max_depth_mm", 2.0), ("max_error_mm", 4.0)):
-            evolution[key] = evolution.get(key, getattr(EvolutionSettings(1.0), key)) / part
+            evolution[key] = evolution.get(key, getattr(EvolutionSettings(end=1.0), key)) / part
     elif variant == "half the cells":
         inputs["patch_cells"] *= 2
     return replace(file, data=data | {"states": states, "evolution": evolution, "inputs": inputs})

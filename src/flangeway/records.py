@@ -201,7 +201,7 @@ class Record(_Base):
             if written.isdisjoint(group):
                 raise refused_by_check(f"none of {', '.join(group)}", "one of them", f"add one, such as {group[0]}")
         for key, other in self.needs:
-            if getattr(self, other) is None and getattr(self, key) != default_of(type(self).model_fields[key]):
+            if key in written and other not in written:
                 raise refused_by_check(f"{key} without {other}", "both, or none", f"give {other}, or leave {key} out")
         return self
 
@@ -735,8 +735,9 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
     inside, last = key_text(key[:-1]), str(key[-1])
     having = [str(kind_of(kind)) for kind in others if last in kind.model_fields]
     if having and kind_of(table) is None:
-        both = f"{last} and {' and '.join(telling(table, kinds))}"
-        return f"{place}{inside}: {both}", "one of them", "leave one of them out"
+        sibling = next(kind for kind in others if last in kind.model_fields)
+        own = " or ".join(key for key in table.model_fields if key not in sibling.model_fields)
+        return f"{place}{inside}: {last} does not go with {own}", "one of them", "leave one of them out"
     if having:
         advice = f"leave {last} out, or give {inside}.{TAG} = {having[0]}"
         return f"{place}{key_text(key)}: only {' and '.join(having)} have one", f"{last} of {', '.join(having)}", advice

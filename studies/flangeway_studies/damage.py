@@ -78,7 +78,7 @@ def wear_rows() -> Iterator[Row]:
     usfd = 5.3e-3 / 7800.0 * FRICTION * CREEPAGE * row_integral
     exact: dict[str, tuple[WearLaw, float]] = {
         "Archard": (
-            ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT),
+            ArchardLaw(hardness_MPa=HARDNESS_MPa, k=WEAR_COEFFICIENT),
             WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * row_integral,
         ),
         "USFD": (UsfdLaw(), usfd),
@@ -92,7 +92,7 @@ def wear_rows() -> Iterator[Row]:
     value = 1e3 * WEAR_COEFFICIENT / HARDNESS_MPa * CREEPAGE * FORCE_N
     yield Row("Archard", "full slip", "volume over distance", "mm^3/m", volume, value, LAW_LIMIT)
     yield Row("full slip", "", "T-gamma", "N", cells.t_gamma_N, FRICTION * FORCE_N * CREEPAGE, LAW_LIMIT)
-    law = ArchardLaw(HARDNESS_MPa)
+    law = ArchardLaw(hardness_MPa=HARDNESS_MPa)
     for velocity, pressure, k in ((0.1, 0.5, 5.5e-4), (0.45, 0.5, 35e-4), (0.9, 0.5, 5.5e-4), (0.1, 0.9, 350e-4)):
         computed = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))[0]
         yield Row("Jendel (2002)", f"{velocity:g} m/s, {pressure:g} H", "wear coefficient", "", computed, k, ROUND_OFF)

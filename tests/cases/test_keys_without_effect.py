@@ -51,12 +51,3 @@ def test_what_only_friction_bears_is_refused_without_friction(key):
     with pytest.raises(InputError, match=key):
         load_case("wheelset", **standing)
     load_case("wheelset", **standing, **{"track.left.friction": 0.2})
-
-
-def test_layers_and_units_without_a_file_are_refused():
-    """They are those of a file."""
-    for inputs in ({"layers": ["A"]}, {"unit": "in"}):
-        case = blocks()
-        body = case.bodies[0].model_copy(update=inputs)
-        with pytest.raises(InputError, match=next(iter(inputs))):
-            case.model_copy(update={"bodies": [body, case.bodies[1]]}).check()

@@ -28,7 +28,7 @@ curve.speed_km_h = 80
 curve.radius_m = 600
 
 [wear.wheel]
-law = "energy"
+kind = "energy"
 constant = 0.5
 unit = "mm3/kJ"
 
@@ -56,7 +56,7 @@ def written(tmp_path):
 def test_all_paths_of_a_file_take_us_units(written) -> None:
     """Inputs, states, their ranges, settings, limits and strategies in US units are the same as the metric ones."""
     end, states = "end = 100\n", "curve.speed_km_h = 80\ncurve.radius_m = 600"
-    more = "{}\n[limits]\n{}\n[strategies.wide.inputs]\n{}\n"
+    more = "{}\n[evolution.limits]\n{}\n[strategies.wide.inputs]\n{}\n"
     metric = DamageFile.read(
         written(
             ("patch_cells = 10", "patch_cells = 10\ngauge_mm = 1435.1\naxle_load_kN = 150"),
@@ -159,12 +159,12 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
     ("parts", "words"),
     [
         ([("end = 100", "end = 100\n[strategies.a.inputs]\nspeed = 3")], ("line 24", "speed_km_h")),
-        ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "'k'")),
+        ([("end = 100", "end = 100\n[strategies.a.wear.wheel]\nk = 3")], ("line 25", "wear.wheel.k")),
         ([('"mm3/kJ"', '"mm3"')], ("unit", "mm3/kJ")),
-        ([('unit = "mm3/kJ"', "")], ("line 17", "no unit", "mm3/kJ")),
+        ([('unit = "mm3/kJ"', "")], ("line 17", "no wear.wheel.unit", "mm3/kJ")),
         ([("[wear.wheel]", "[wear.wheels]")], ("line 17", "wheels", "wheel, rail")),
         ([("share = 1", "share = 0.9")], ("0.9", "sum of 1")),
-        ([('law = "energy"', 'law = "usfdd"')], ("usfdd", "usfd")),
+        ([('kind = "energy"', 'kind = "usfdd"')], ("usfdd", "usfd")),
         ([("end = 100", "end = 100\nfilter = 2")], ("filter", "filter_mm")),
         ([("mesh.order = 1", 'mesh.order = 1\nwheel = "gone.whl"')], ("line", "wheel = 'gone.whl'", "no such file")),
         ([("[evolution]", "[evolutoin]")], ("evolutoin", "evolution")),
@@ -172,7 +172,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
         ([("friction = 0.3", "friction = 0")], ("rolling.friction = 0",)),
         ([('unit = "mm3/kJ"', 'unit = "mm3/kJ"\nper_patch = "no"')], ("line 21", "per_patch = 'no'", "true or false")),
         (
-            [("end = 100", "end = 100\n[limits]\nmax_side_wear_mm = 4")],
+            [("end = 100", "end = 100\n[evolution.limits]\nmax_side_wear_mm = 4")],
             ("max_side_wear_mm", "rails, which do not wear"),
         ),
         ([("patch_cells = 10", 'contact = "plane"')], ("contact.kind = plane", "support")),
@@ -198,7 +198,7 @@ def test_bundled_collective_refuses_inputs_that_its_states_have(written) -> None
         DamageFile.read(file).damage()
 
 
-AT_ONCE = ("end = 100", "end = 100\n[limits]\nmin_flange_thickness_mm = 50")
+AT_ONCE = ("end = 100", "end = 100\n[evolution.limits]\nmin_flange_thickness_mm = 50")
 """A limit that is reached before the first step."""
 
 

@@ -42,21 +42,43 @@ SHAPE = st.one_of(
     st.fixed_dictionaries({"disc": tables({"radius_mm": POSITIVE}, half=st.sampled_from(["upper", "lower"]))}),
 )
 FINE = tables({"size_mm": POSITIVE}, at_mm=st.lists(PAIRS, min_size=1, max_size=3), growth=st.floats(0.01, 1.0))
-BODY = st.builds(
-    lambda shape, rest: shape | rest,
-    SHAPE,
-    tables(
-        {"name": NAMES},
-        **MATERIAL,
-        method=st.sampled_from(["fem", "vem", "vem-triangles"]),
-        order=st.sampled_from([1, 2]),
-        size_mm=POSITIVE,
-        shift_mm=PAIRS,
-        fine=st.lists(FINE, max_size=2),
-        materials=st.dictionaries(NAMES, tables({}, **MATERIAL), max_size=2),
-    ),
+OF_FILE = tables(
+    {"file": st.just("mesh.msh")},
+    unit=st.sampled_from(["cm", "in"]),
+    cells=EDGES,
+    materials=st.dictionaries(NAMES, tables({}, **MATERIAL), max_size=2),
 )
-PLACE = {"edges": EDGES, "at_x_mm": NUMBERS, "box_mm": st.lists(NUMBERS, min_size=4, max_size=4), "point_mm": PAIRS}
+REST = tables(
+    {"name": NAMES},
+    **MATERIAL,
+    method=st.sampled_from(["fem", "vem", "vem-triangles"]),
+    order=st.sampled_from([1, 2]),
+    size_mm=POSITIVE,
+    shift_mm=PAIRS,
+    fine=st.lists(FINE, max_size=2),
+)
+
+
+def both(one, other):
+    """Tables with the keys of two."""
+    return st.builds(lambda left, right: left | right, one, other)
+
+
+DRAWN = both(SHAPE, REST)
+BODY = DRAWN | both(OF_FILE, REST)
+LINE = {"at_x_mm": NUMBERS, "box_mm": st.lists(NUMBERS, min_size=4, max_size=4)}
+ALONG = tables({"body": NAMES, "edges": EDGES}, **LINE)
+AT = tables({"body": NAMES, "point_mm": PAIRS})
+CELLS = tables({"body": NAMES}, cells=NAMES)
+LOAD = st.one_of(
+    both(ALONG, st.one_of(tables({"pressure_MPa": NUMBERS}), tables({"traction_MPa": PAIRS}))),
+    both(ALONG | AT, tables({"force_N": PAIRS})),
+    both(CELLS, tables({"body_force_N_mm3": PAIRS}) | tables({"temperature_K": NUMBERS})),
+    tables({"body": NAMES, "gravity_m_s2": PAIRS}),
+)
+SUPPORT = both(ALONG | AT, tables({}, hold=st.sampled_from(["x", "y", "xy"]), x_mm=NUMBERS))
+SPRING = both(ALONG, tables({}, x_MPa_mm=POSITIVE)) | both(AT, tables({}, y_N_mm=POSITIVE))
+MOTION = tables({"body": NAMES}, leg=st.integers(1, 3), shift_mm=PAIRS) | tables({"body": NAMES, "push_N": PAIRS})
 PENALTY = st.sampled_from(["penalty_MPa_mm", "nodal_penalty_N_per_mm"]).flatmap(
     lambda key: st.fixed_dictionaries({}, optional={key: POSITIVE})
 )
@@ -80,23 +102,28 @@ CONTACT = tables(
     pairing=PAIRING,
     enforcement=ENFORCEMENT,
 )
-TREES = tables(
-    {"bodies": st.lists(BODY, min_size=1, max_size=3)},
-    thickness_mm=POSITIVE,
-    hypothesis=st.sampled_from(["plane-strain", "plane-stress", "axisymmetric"]),
-    supports=st.lists(tables({"body": NAMES}, hold=st.sampled_from(["x", "y", "xy"]), **PLACE), max_size=2),
-    loads=st.lists(tables({"body": NAMES}, pressure_MPa=NUMBERS, force_N=PAIRS, **PLACE), max_size=2),
-    springs=st.lists(tables({"body": NAMES}, x_MPa_mm=POSITIVE, **PLACE), max_size=1),
-    motions=st.lists(tables({"body": NAMES}, leg=st.integers(1, 3), shift_mm=PAIRS), max_size=2),
-    contacts=st.lists(CONTACT, max_size=2),
-    steps=tables({}, number=st.integers(1, 1000)),
-)
+
+
+def trees(body):
+    return tables(
+        {"bodies": st.lists(body, min_size=1, max_size=3)},
+        thickness_mm=POSITIVE,
+        hypothesis=st.sampled_from(["plane-strain", "plane-stress", "axisymmetric"]),
+        supports=st.lists(SUPPORT, max_size=2),
+        loads=st.lists(LOAD, max_size=2),
+        springs=st.lists(SPRING, max_size=1),
+        motions=st.lists(MOTION, max_size=2),
+        contacts=st.lists(CONTACT, max_size=2),
+        steps=tables({}, number=st.integers(1, 1000)),
+    )
+
+
 SCHEMA = schema(TwoBodiesCase)
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 
 
 @settings(max_examples=40, deadline=None)
-@given(TREES)
+@given(trees(BODY))
 def test_files_and_records_say_the_same(values):
     """Values, the record, its file, and the record of the file: both records are equal, and so are both files."""
     case = TwoBodiesCase.from_values(values)
@@ -136,7 +163,7 @@ def written(values):
 
 
 @settings(max_examples=40, deadline=None)
-@given(TREES, st.data())
+@given(trees(DRAWN), st.data())
 def test_a_wrong_leaf_is_named_with_its_line_and_refused_by_the_schema(tmp_path_factory, values, data):
     """A truth value in place of a number or a name, a number in place of a truth value: key and line are named."""
     key, value = data.draw(st.sampled_from([*leaves(values)]))
@@ -151,6 +178,44 @@ def test_a_wrong_leaf_is_named_with_its_line_and_refused_by_the_schema(tmp_path_
     *_, name = (item for item in key if isinstance(item, str))
     assert f"{key_text(key[: key.index(name) + 1])}" in refused.value.given
     assert name in refused.value.advice or name in refused.value.allowed
+
+
+PLATE = {"name": "plate", "rectangle": {"width_mm": 2.0, "height_mm": 1.0}}
+ON = {"body": "plate", "edges": "top"}
+
+
+@pytest.mark.parametrize(
+    ("values", "path", "words"),
+    [
+        ({"loads": [{**ON, "pressure_MPa": 1.0, "force_N": [0.0, 1.0]}]}, "loads[1]: ", ("force_N", "pressure_MPa")),
+        ({"loads": [ON]}, "loads[1]", ("pressure_MPa", "gravity_m_s2")),
+        ({"loads": [{"body": "plate", "point_mm": [0.0, 0.0], "pressure_MPa": 1.0}]}, "loads[1]: ", ("point_mm",)),
+        ({"loads": [{**ON, "gravity_m_s2": [0.0, -9.81]}]}, "loads[1]: ", ("edges", "gravity_m_s2")),
+        ({"loads": [{**ON, "cells": "a", "traction_MPa": [0.0, 1.0]}]}, "loads[1]: ", ("cells", "traction_MPa")),
+        ({"supports": [{"body": "plate"}]}, "supports[1]: ", ("edges", "box_mm")),
+        ({"supports": [{**ON, "point_mm": [0.0, 0.0]}]}, "supports[1]: ", ("edges", "point_mm")),
+        ({"springs": [{**ON, "x_N_mm": 1.0}]}, "springs[1]: ", ("x_N_mm", "x_MPa_mm")),
+        (
+            {"motions": [{"body": "plate", "push_N": [0.0, 1.0], "shift_mm": [0.0, 1.0]}]},
+            "motions[1]: ",
+            ("push_N", "shift_mm"),
+        ),
+        ({"bodies": [{"name": "plate"}]}, "bodies[1]: ", ("rectangle", "disc", "outline", "file")),
+        ({"bodies": [PLATE | {"disc": {"radius_mm": 1.0}}]}, "bodies[1]: ", ("rectangle", "disc")),
+        ({"bodies": [PLATE | {"unit": "in"}]}, "bodies[1]: ", ("unit", "file")),
+        ({"bodies": [PLATE | {"layers": ["A"]}]}, "bodies[1]: ", ("layers", "file")),
+        ({"bodies": [PLATE | {"fine": [{"size_mm": 0.1}]}]}, "bodies[1].fine[1]: ", ("edges", "at_mm")),
+        ({"bodies": []}, "bodies", ()),
+    ],
+)
+def test_what_excludes_or_lacks_each_other_is_refused(values, path, words):
+    """Two loads in one table, none, one in the wrong place, a shape too many: reader and schema refuse them."""
+    case = {"bodies": [PLATE]} | values
+    with pytest.raises(InputError) as refused:
+        TwoBodiesCase.from_values(case)
+    assert path in refused.value.given
+    assert all(word in str(refused.value) for word in words)
+    assert [*VALIDATOR.iter_errors({"case": "two-bodies", **case})]
 
 
 BODIES = sorted(name for name in CASE_FILES if find_case(name).name == "two-bodies")

@@ -93,7 +93,7 @@ curve.speed_km_h = 80
 share = 1
 curve.radius_m = 1200
 [wear.wheel]
-law = "energy"
+kind = "energy"
 constant = 0.5
 unit = "mm3/kJ"
 [evolution]

@@ -2,27 +2,24 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, Literal
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, create_model
+from pydantic import ConfigDict, Field
 
 from flangeway.cases.case_file import resolved
 from flangeway.cases.wheelset.wheelset_case import Wheelset
 from flangeway.errors import InputError, located
 from flangeway.railway.damage.collective import COLLECTIVES, Collective, RunningState, parts_of
 from flangeway.railway.damage.evolution import Evolution, EvolutionSettings
-from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, PerPatch, UsfdLaw, WearLaw
-from flangeway.railway.damage.worn_surface import LIMITS
-from flangeway.railway.track.wheelset_problem import Role
-from flangeway.records import Record, flattened, merged, path_by_ending, require_known, with_settings
+from flangeway.railway.damage.wear_laws import ArchardLaw, EnergyLaw, UsfdLaw
+from flangeway.railway.track.wheelset_problem import ROLES
+from flangeway.records import TAG, Record, flattened, merged, path_by_ending, require_known, with_settings
 from flangeway.system.file_content import TomlFile, TomlKind
 from flangeway.types import Key
 from flangeway.units import metric_key
 
-LAWS: dict[str, type[Any]] = {"archard": ArchardLaw, "usfd": UsfdLaw, "energy": EnergyLaw}
-
-
+AnyLaw = Annotated[ArchardLaw | UsfdLaw | EnergyLaw, Field(discriminator=TAG)]
 STRATEGY_NAME = re.compile(r"[\w-][\w ,.-]*")
 """Names of strategies are those of folders as well."""
 
@@ -46,9 +43,9 @@ class StateTable(Record):
 class WearTables(Record):
     """Tables of the wear laws, with their constants."""
 
-    wheel: dict[str, Any] | None = None
+    wheel: AnyLaw | None = None
     """wear law of the wheels; without it they keep their profile"""
-    rail: dict[str, Any] | None = None
+    rail: AnyLaw | None = None
     """wear law of the rails; without it they keep their profile"""
 
 
@@ -61,27 +58,16 @@ class DamageTables(Record):
     """whether left and right profiles wear alike, as in curves of both hands, or each for itself"""
     inputs: dict[str, Any] = Field({})
     """inputs of the case wheelset that all states share"""
-    states: list[StateTable] = Field([])
+    states: list[StateTable] | None = Field(None, min_length=1)
     """states of the collective"""
-    evolution: dict[str, Any]
-    """how far the profiles wear, and by which steps"""
+    evolution: EvolutionSettings
+    """how far the profiles wear, by which steps, and at which limits it ends"""
     wear: WearTables = Field(WearTables())
     """wear laws of wheels and rails"""
-    limits: dict[str, float] = Field({})
-    """measures of the profiles at which it ends"""
     strategies: dict[str, dict[str, Any]] = Field({})
     """what other strategies change, by their names: tables and keys of this file"""
 
-
-def inputs_of(kind: type[Any], *without: str, **more: Any) -> type[Record]:
-    """Return the table whose keys are the fields of a record, without some of them, and more: type and default."""
-    entries = more | {
-        field.name: (field.type, ... if field.default is MISSING else field.default)
-        for field in fields(kind)
-        if field.name not in without
-    }
-    table: type[Record] = create_model(kind.__name__, __base__=Record, **entries)
-    return table
+    exclusive = needed = (("collective", "states"),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +90,7 @@ class DamageInputs:
 
 @dataclass(frozen=True)
 class DamageFile(TomlFile):
-    """The file: ``[inputs]`` of the case ``wheelset``, states, ``[evolution]``, ``[wear.wheel]``, ``[limits]``.
+    """The file: ``[inputs]`` of the case ``wheelset``, states, ``[evolution]``, ``[wear.wheel]``.
 
     - `strategy`: name of the strategy whose changes are in the data; empty: the file as it is.
     - `changed_inputs`: inputs of the strategy, which all states have in the place of their own.
@@ -147,12 +133,6 @@ class DamageFile(TomlFile):
         """Check all of it; an `InputError` names file, line, key, what is allowed and what to do."""
         tables, name = DamageTables.from_values(self.data, self.place), self.data.get("collective", "")
         inputs = self._paths(tables.inputs, "inputs")
-        if bool(name) == bool(tables.states):
-            raise InputError(
-                f"{self.file}: {'both a' if name else 'no'} collective and states",
-                f"collective, one of {', '.join(COLLECTIVES)}, or [[states]] with share and inputs",
-                "give one of both",
-            )
         if name:
             with located(self.place(("collective",))):
                 require_known("collective", name, COLLECTIVES)
@@ -170,23 +150,17 @@ class DamageFile(TomlFile):
         given = COLLECTIVES.get(name) or [
             self._paths(state.model_extra or {}, "states", number - 1)
             | {"name": state.name or f"state {number}", "share": state.share, "parts": state.parts}
-            for number, state in enumerate(tables.states, 1)
+            for number, state in enumerate(tables.states or (), 1)
         ]
         states = []
         for number, state in enumerate(given):
             with located(self.place(("states", number) if tables.states else ("collective",))):
                 parts = parts_of(state)
             states += [self._state(merged(inputs, part), number if tables.states else None) for part in parts]
-        settings = self._values(("evolution",), tables.evolution, inputs_of(EvolutionSettings, "limits"))
-        given_laws: dict[Role, dict[str, Any] | None] = {"wheel": tables.wear.wheel, "rail": tables.wear.rail}
-        laws = {role: self._law(role, law) for role, law in given_laws.items() if law is not None}
-        limits = {}
-        for key, value in tables.limits.items():
-            limit, unit = metric_key(key, LIMITS)
-            limits[limit] = unit.to_metric(value) if unit else value
+        laws = {role: law.evaluated for role in ROLES if (law := getattr(tables.wear, role)) is not None}
         with located(f"{self.file}: "):
             collective = Collective(states, tables.sides == "separate")
-            evolution = Evolution(collective, laws, EvolutionSettings(**settings, limits=limits))
+            evolution = Evolution(collective, laws, tables.evolution)
         return DamageInputs(self.file.stem, evolution, name, inputs)
 
     def _state(self, values: dict[str, Any], number: int | None) -> RunningState:
@@ -199,23 +173,6 @@ class DamageFile(TomlFile):
             if case.contact.kind == "plane":
                 raise InputError("contact.kind = plane", "spatial: wear needs cells along the rail", "leave it out")
             return RunningState(name, share, case)
-
-    def _law(self, role: Role, given: Mapping[str, Any]) -> WearLaw:
-        """The wear law of wheels or rails, for each cell, or for each patch as a whole."""
-        name, key = given.get("law"), ("wear", role)
-        with located(self.place(key)):
-            require_known("law", str(name), LAWS)
-        table = inputs_of(LAWS[str(name)], law=(str, ...), per_patch=(bool, False))
-        constants = self._values(key, given, table)
-        del constants["law"]
-        per_patch = constants.pop("per_patch", False)
-        with located(self.place(key)):
-            law: WearLaw = LAWS[str(name)](**constants)
-        return PerPatch(law) if per_patch else law
-
-    def _values(self, key: Key, given: Mapping[str, Any], table: type[Record]) -> dict[str, Any]:
-        """Checked entries of a table of the file."""
-        return table.from_values(given, lambda inner: self.place((*key, *inner))).model_dump(exclude_unset=True)
 
     def _paths(self, inputs: Mapping[str, Any], *above: str | int) -> dict[str, Any]:
         """Inputs of a wheelset by their whole paths, in whatever tables and by whatever endings they are written."""
@@ -231,7 +188,7 @@ class DamageFile(TomlFile):
 def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables with changes inside of them; a wear law with its name takes the place of the other law."""
     inner = {
-        key: _merged(tables.get(key, {}), value) if isinstance(value, Mapping) and "law" not in value else value
+        key: _merged(tables.get(key, {}), value) if isinstance(value, Mapping) and TAG not in value else value
         for key, value in changes.items()
     }
     return merged(tables, inner)

@@ -50,7 +50,7 @@ def damage_record(
     """
     evolution, last, unit = inputs.evolution, steps[-1], inputs.evolution.unit
     unconverged = [text for step in steps for text in step.unconverged]
-    positions = limit_positions(steps, evolution.settings.limits)
+    positions = limit_positions(steps, evolution.settings.limits.written)
     limits = [f"{name} after {position:.6g} {unit}" for name, position in positions.items()]
     ended = "limit " + ", ".join(limits) if limits else "the end"
     rows = numbers_over_distance(evolution, steps)

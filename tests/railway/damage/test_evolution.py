@@ -37,7 +37,7 @@ COARSE = {
     "patch_cells": 10,
     "rolling": {"friction": 0.3, "yaw_stiffness_kNm_per_mrad": 10.0, "theory": "fastsim"},
 }
-ENERGY = EnergyLaw(0.02, "mm3/kJ")
+ENERGY = EnergyLaw(constant=0.02, unit="mm3/kJ")
 
 
 def state(share: float = 1.0, **inputs: object) -> RunningState:
@@ -86,7 +86,7 @@ def test_worn_areas_of_both_profiles_are_those_of_the_cells(curve) -> None:
 
 def settings(end: float = 3000.0, depth: float = 0.05, **more: object) -> EvolutionSettings:
     """Steps of 0.05 mm."""
-    return EvolutionSettings(end, max_depth_mm=depth, **more)
+    return EvolutionSettings(end=end, max_depth_mm=depth, **more)
 
 
 class Fading(Evolution):
@@ -148,11 +148,17 @@ def test_other_constants_of_a_law_are_other_inputs() -> None:
     states = Collective([state()])
 
     def identity(law: WearLaw, end: float = 10.0) -> str:
-        return Evolution(states, {"wheel": law}, EvolutionSettings(end)).identity
+        return Evolution(states, {"wheel": law}, EvolutionSettings(end=end)).identity
 
-    first = ArchardLaw(2700.0)
-    assert identity(first) == identity(ArchardLaw(2700.0), 20.0)
-    others = ArchardLaw(2400.0), ArchardLaw(2700.0, level=0.1), PerPatch(first), ENERGY, EnergyLaw(0.02, "mg/kJ")
+    first = ArchardLaw(hardness_MPa=2700.0)
+    assert identity(first) == identity(ArchardLaw(hardness_MPa=2700.0), 20.0)
+    others = (
+        ArchardLaw(hardness_MPa=2400.0),
+        ArchardLaw(hardness_MPa=2700.0, level=0.1),
+        PerPatch(first),
+        ENERGY,
+        EnergyLaw(constant=0.02, unit="mg/kJ"),
+    )
     assert len({identity(law) for law in (first, *others)}) == 6
     assert identity(OwnLaw(lambda p, s, t: p, "mm/m")) == identity(OwnLaw(lambda p, s, t: p, "mm/m"))
 

@@ -32,7 +32,7 @@ def test_usfd_branches_in_full_slip_are_those_of_quadrature(branch: str) -> None
     """At creepage 0.2 a row has all three branches: its depth is that of pieces with closed forms to 1e-3."""
     creepage = 0.2
     cells, lengths = rows(creepage)
-    depth = (UsfdLaw(branch).rates(cells) * lengths).sum(axis=1)
+    depth = (UsfdLaw(branch=branch).rates(cells) * lengths).sum(axis=1)
     top, third = FRICTION * creepage * P0_MPa, 61.9
     offset = 55.0 - third * 77.2 if branch == "continuous" else 0.0
     exact = []
@@ -53,7 +53,7 @@ def test_usfd_branches_in_full_slip_are_those_of_quadrature(branch: str) -> None
 )
 def test_map_of_jendel(velocity: float, pressure: float, k: float) -> None:
     """The coefficient is the middle of the range of its region."""
-    law = ArchardLaw(HARDNESS_MPa)
+    law = ArchardLaw(hardness_MPa=HARDNESS_MPa)
     found = law.coefficients(np.array([velocity]), np.array([pressure * HARDNESS_MPa]))
     assert found == pytest.approx([k])
 
@@ -61,7 +61,8 @@ def test_map_of_jendel(velocity: float, pressure: float, k: float) -> None:
 def test_level_moves_through_the_ranges_of_the_map() -> None:
     """Levels 0 and 1 are the ends of the range."""
     ends = [
-        ArchardLaw(HARDNESS_MPa, level=level).coefficients(np.array([0.3]), np.array([1.0]))[0] for level in (0.0, 1.0)
+        ArchardLaw(hardness_MPa=HARDNESS_MPa, level=level).coefficients(np.array([0.3]), np.array([1.0]))[0]
+        for level in (0.0, 1.0)
     ]
     assert ends == pytest.approx([30e-4, 40e-4])
 
@@ -69,7 +70,7 @@ def test_level_moves_through_the_ranges_of_the_map() -> None:
 def test_energy_law_takes_energy_times_its_constant() -> None:
     """0.02 mm3/kJ of 300 J/m are 0.006 mm3/m, and 156 ug/kJ = 0.156 mg/kJ the same."""
     cells = full_slip()[0]
-    for law in (EnergyLaw(0.02, "mm3/kJ"), EnergyLaw(0.156, "mg/kJ")):
+    for law in (EnergyLaw(constant=0.02, unit="mm3/kJ"), EnergyLaw(constant=0.156, unit="mg/kJ")):
         assert 1e3 * float((law.rates(cells) * cells.areas).sum()) == pytest.approx(2e-5 * cells.t_gamma_N, rel=1e-12)
 
 
@@ -81,7 +82,7 @@ def test_own_law_is_that_of_its_function() -> None:
         return 1e6 * WEAR_COEFFICIENT * pressures * np.hypot(*np.moveaxis(slips, -1, 0)) / HARDNESS_MPa
 
     assert OwnLaw(archard, "um/m").rates(cells) == pytest.approx(
-        ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT).rates(cells)
+        ArchardLaw(hardness_MPa=HARDNESS_MPa, k=WEAR_COEFFICIENT).rates(cells)
     )
 
 
@@ -92,17 +93,19 @@ def test_per_patch_differs_from_local_only_where_the_constant_varies() -> None:
         local, mean = (float((each.rates(cells) * cells.areas).sum()) for each in (law, PerPatch(law)))
         return mean / local
 
-    assert volumes(ArchardLaw(HARDNESS_MPa, WEAR_COEFFICIENT), full_slip()[0]) == pytest.approx(1.0)
+    assert volumes(ArchardLaw(hardness_MPa=HARDNESS_MPa, k=WEAR_COEFFICIENT), full_slip()[0]) == pytest.approx(1.0)
     assert volumes(UsfdLaw(), full_slip()[0]) == pytest.approx(1.0)
     assert abs(volumes(UsfdLaw(), full_slip(creepage=0.03)[0]) - 1.0) > 0.05
     high = full_slip()[0]
-    assert volumes(ArchardLaw(2000.0), high) < 0.5  # only the middle of the patch has pressures above 0.8 of H
+    assert (
+        volumes(ArchardLaw(hardness_MPa=2000.0), high) < 0.5
+    )  # only the middle of the patch has pressures above 0.8 of H
 
 
 def test_a_patch_without_pressure_wears_nothing() -> None:
     """Per patch as well, whose means are over no area."""
     none = CellLoads(np.zeros((2, 3)), np.zeros((2, 3, 2)), np.zeros((2, 3, 2)), np.ones((2, 3)), 20.0)
-    assert not PerPatch(ArchardLaw(HARDNESS_MPa)).rates(none).any()
+    assert not PerPatch(ArchardLaw(hardness_MPa=HARDNESS_MPa)).rates(none).any()
 
 
 PROFILES = {"S1002": wheel("S1002"), "60E1": rail("60E1")}

@@ -5,13 +5,12 @@ import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from flangeway.checks import check_between, check_positive
 from flangeway.errors import InputError
 from flangeway.railway.damage.collective import Collective, SurfaceKey
 from flangeway.railway.damage.wear_laws import PatchDamage, WearLaw, patch_damage, row_wear
@@ -19,8 +18,8 @@ from flangeway.railway.damage.worn_surface import (
     FILTER_MM,
     LIMITS,
     SPACING_MM,
+    Limits,
     WornSurface,
-    check_limits,
     reached,
     worn_measures,
 )
@@ -28,6 +27,7 @@ from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
+from flangeway.records import NotNegative, Positive, Record
 from flangeway.system.disk_cache import Cache
 from flangeway.system.output_folder import versions
 from flangeway.types import Floats, Progress
@@ -43,50 +43,24 @@ SAFETY_FACTOR, GROWTH = 0.9, 2.0
 """Next step relative to the one that the estimated error allows, and relative to the one before, at most."""
 
 
-@dataclass(frozen=True)
-class EvolutionSettings:
-    """How far and how finely profiles evolve.
+class EvolutionSettings(Record):
+    """How far and how finely profiles evolve."""
 
-    Parameters
-    ----------
-    end
-        Distance in km that the wheels run, or number of axles where rails wear alone.
-    axles_per_km
-        Axles that pass a point of the rails while a wheel runs 1 km; needed where both wear.
-    max_depth_mm
-        Depth of one step, at most: wear evens out what the contact is compressed by, some 0.05 mm, and longer steps
-        overshoot.
-    max_error_mm
-        Estimated error of the depth in one step, at most: how far the rates at the end of a step change its depth.
-    filter_mm
-        See `flangeway.railway.damage.worn_surface.WornSurface.filtered`.
-    spacing_mm
-        Length of the pieces of the surfaces.
-    limits
-        Of `flangeway.railway.damage.worn_surface.LIMITS`: the evolution ends where one is reached.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive or a limit unknown.
-
-    """
-
-    end: float
-    axles_per_km: float | None = None
-    max_depth_mm: float = 0.05
-    max_error_mm: float = 0.01
-    filter_mm: float = FILTER_MM
-    spacing_mm: float = SPACING_MM
-    limits: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for name in ("end", "max_depth_mm", "max_error_mm", "spacing_mm"):
-            check_positive("EvolutionSettings", name, getattr(self, name))
-        if self.axles_per_km is not None:
-            check_positive("EvolutionSettings", "axles_per_km", self.axles_per_km)
-        check_between("EvolutionSettings", "filter_mm", self.filter_mm, 0.0, advice="0 filters nothing")
-        check_limits(self.limits)
+    end: Positive
+    """distance in km that the wheels run, or number of axles where rails wear alone"""
+    axles_per_km: Positive | None = None
+    """axles that pass a point of the rails while a wheel runs 1 km; needed where both wear"""
+    max_depth_mm: Positive = 0.05
+    """maximum depth of one step: wear evens out what the contact is compressed by, some 0.05 mm, and longer steps
+    overshoot"""
+    max_error_mm: Positive = 0.01
+    """maximum estimated error of the depth in one step: how far the rates at its end change its depth"""
+    filter_mm: NotNegative = FILTER_MM
+    """wavelengths of the depth below it are filtered; 0 filters nothing"""
+    spacing_mm: Positive = SPACING_MM
+    """length of the pieces of the surfaces"""
+    limits: Limits = Limits()
+    """measures of the profiles at which the evolution ends"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +169,7 @@ class Evolution:
                 "axles that pass a point of the rails while a wheel runs 1 km",
                 "give axles_per_km, or let one of them wear",
             )
-        for name in self.settings.limits:
+        for name in self.settings.limits.written:
             role = LIMITS[name].role
             if role not in self.laws:
                 raise InputError(f"limit {name} of {role}s, which do not wear", "limits of what wears", "leave it out")
@@ -301,10 +275,9 @@ class Evolution:
 
     def _limits_of(self, surfaces: Mapping[SurfaceKey, WornSurface]) -> tuple[str, ...]:
         """Limits that are reached, with the role of the profile."""
-        limits = (
-            f"{key[0]}: {name}" for key, surface in surfaces.items() for name in reached(surface, self.settings.limits)
-        )
-        return tuple(dict.fromkeys(limits))
+        limits = self.settings.limits.written
+        names = (f"{key[0]}: {name}" for key, surface in surfaces.items() for name in reached(surface, limits))
+        return tuple(dict.fromkeys(names))
 
     def _evaluated(
         self,
@@ -375,7 +348,7 @@ class Evolution:
     @property
     def identity(self) -> str:
         """What the file of a run must agree in: version, states, laws and settings, but not the end and the limits."""
-        settings = {key: value for key, value in asdict(self.settings).items() if key not in ("end", "limits")}
+        settings = self.settings.model_dump(exclude={"end", "limits"})
         parts = [
             versions()["flangeway"],
             repr((OVER_PIECES, RollingPlace._fields)),

@@ -1,13 +1,14 @@
 """Wear laws, and the wear of wheels and rails by the patches of one wheelset."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
+from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
-from flangeway.checks import as_numbers, check_between, check_finite, check_kind, check_positive, refused
+from flangeway.checks import as_numbers, check_finite, check_kind, refused
 from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.rolling_contact import Rolling
 from flangeway.errors import InputError
@@ -17,6 +18,7 @@ from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.rolling.patch_rolling import rows_of
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.wheel_patch import WheelPatch
+from flangeway.records import Fraction, Positive, Record
 from flangeway.types import Floats
 
 # --- Wear laws: depth worn per distance rolled from pressure, tractions and slip of the cells of a patch.
@@ -173,41 +175,29 @@ class WearLaw(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class ArchardLaw:
-    """Archard's law with a constant k, or with Jendel's map of k.
+class _Law(Record):
+    """A law that files name."""
 
-    Parameters
-    ----------
-    hardness_MPa
-        Of the softer body, > 0.
-    k
-        Wear coefficient without unit, above 0 and up to 1; None: Jendel's map.
-    level
-        Where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends.
+    per_patch: bool = False
+    """whether it is evaluated once for a patch, at means over its area"""
 
-    Raises
-    ------
-    InputError
-        If the hardness or k is not positive, k above 1, or the level outside of 0 to 1.
+    @property
+    def evaluated(self) -> WearLaw:
+        """The law in each cell, or for each patch as a whole."""
+        return PerPatch(self) if self.per_patch else self  # type: ignore[arg-type, return-value]
 
-    """
 
-    hardness_MPa: float  # noqa: N815
-    k: float | None = None
-    level: float = 0.5
+class ArchardLaw(_Law):
+    """Archard's law with a constant k, or with Jendel's map of k."""
 
-    def __post_init__(self) -> None:
-        check_positive(
-            "ArchardLaw", "hardness_MPa", self.hardness_MPa, "a hardness > 0", "give it in MPa: HB 275 is 2700"
-        )
-        if self.k is not None:
-            allowed = "a wear coefficient without unit, above 0 and up to 1"
-            if check_positive("ArchardLaw", "k", self.k, allowed, "leave it out for Jendel's map") > 1.0:
-                raise InputError(
-                    f"ArchardLaw(k={self.k:g})", allowed, "steel has 1e-4 to 4e-2; a dimensional one is k/H"
-                )
-        check_between("ArchardLaw", "level", self.level, 0.0, 1.0, advice="give 0.5 for the middle of the ranges of k")
+    kind: Literal["archard"] = "archard"
+    """Archard's law"""
+    hardness_MPa: Positive  # noqa: N815
+    """hardness of the softer body; HB 275 is 2700 MPa"""
+    k: Fraction | None = None
+    """wear coefficient without unit; steel has 1e-4 to 4e-2 (default: Jendel's map)"""
+    level: float = Field(default=0.5, ge=0.0, le=1.0)
+    """where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends"""
 
     @property
     def name(self) -> str:
@@ -229,24 +219,19 @@ class ArchardLaw:
         return np.asarray(k * cells.pressures * slips / self.hardness_MPa)
 
 
-@dataclass(frozen=True)
-class UsfdLaw:
-    """T-gamma over area by the University of Sheffield, in ug of steel per m rolled and mm2 of contact.
+class UsfdLaw(_Law):
+    """T-gamma over area by the University of Sheffield, in ug of steel per m rolled and mm2 of contact."""
 
-    - `branch`: ``"continuous"``: the third branch begins where the second one ends; ``"published"``: as of 2006.
-    """
-
-    branch: str = "continuous"
+    kind: Literal["usfd"] = "usfd"
+    """T-gamma over area"""
+    branch: Literal["continuous", "published"] = "continuous"
+    """continuous: the third branch begins where the second one ends; published: as of 2006"""
     limits: ClassVar[tuple[float, float]] = (10.4, 77.2)
     """T-gamma over area in N/mm2 at which severe and catastrophic wear begin."""
     slopes: ClassVar[tuple[float, float]] = (5.3, 61.9)
     """Rates over T-gamma / A of mild and catastrophic wear, (ug/m/mm2) / (N/mm2)."""
     severe: ClassVar[float] = 55.0
     """Rate of severe wear, ug/m/mm2."""
-
-    def __post_init__(self) -> None:
-        if self.branch not in ("continuous", "published"):
-            raise InputError(f"UsfdLaw(branch={self.branch!r})", "continuous, published", "choose one of them")
 
     @property
     def name(self) -> str:
@@ -264,19 +249,15 @@ class UsfdLaw:
         return RATE_UNITS["ug/m/mm2"] * self.micrograms(cells.energy)
 
 
-@dataclass(frozen=True)
-class EnergyLaw:
-    """Worn volume or mass in proportion to the dissipated energy.
+class EnergyLaw(_Law):
+    """Worn volume or mass in proportion to the dissipated energy."""
 
-    - `constant`: > 0, in `unit`, one of `ENERGY_UNITS`.
-    """
-
-    constant: float
+    kind: Literal["energy"] = "energy"
+    """volume or mass in proportion to the dissipated energy"""
+    constant: Positive
+    """worn volume or mass over energy"""
     unit: EnergyUnit
-
-    def __post_init__(self) -> None:
-        check_positive("EnergyLaw", "constant", self.constant, "a constant > 0", "give what tests showed")
-        _check_unit("EnergyLaw", self.unit, ENERGY_UNITS)
+    """unit of the constant"""
 
     @property
     def name(self) -> str:
@@ -305,7 +286,8 @@ class OwnLaw:
         if not callable(self.function):
             advice = "give a function of pressures, slips and tractions"
             raise refused("OwnLaw", "function", self.function, "a function that returns the rate", advice)
-        _check_unit("OwnLaw", self.unit, RATE_UNITS)
+        if self.unit not in [*RATE_UNITS]:  # a list of them is no unit, but has no place in a mapping either
+            raise InputError(f"OwnLaw(unit={self.unit!r})", ", ".join(RATE_UNITS), "give the unit of the rate")
 
     @property
     def name(self) -> str:
@@ -343,11 +325,6 @@ class PerPatch:
         t_gamma = cells.t_gamma_N
         volume = float(self.law.rates(cells.mean())[0]) * cells.contact_area_mm2
         return np.asarray(cells.energy * (volume / t_gamma if t_gamma > 0.0 else 0.0))
-
-
-def _check_unit(owner: str, unit: str, allowed: Collection[str]) -> None:
-    if unit not in [*allowed]:  # a list of them is no unit, but has no place in a mapping either
-        raise InputError(f"{owner}(unit={unit!r})", ", ".join(allowed), "give the unit of the constant")
 
 
 # --- Wear of wheels and rails by the patches of one wheelset: areas worn off their profiles, by rows of cells.

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from flangeway.checks import as_numbers, check_between, check_kind, is_finite
+from flangeway.checks import as_numbers, check_between, check_kind
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement, Segment
 from flangeway.geometry.biarcs import biarcs
@@ -17,6 +17,7 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.instrument_files import write_segment_csv
 from flangeway.railway.profiles.orientation import GAUGE_DEPTH_MM, crossings, measures
 from flangeway.railway.track.wheelset_problem import Role
+from flangeway.records import Positive, Record
 from flangeway.types import Floats
 
 # --- A running surface that wears: depth over its arc length, from cells of patches, and the worn profile.
@@ -311,6 +312,25 @@ class LimitKind(NamedTuple):
     sense: int = 1
 
 
+class Limits(Record):
+    """Measures of the profiles at which an evolution ends; flange thickness, height and slope qR as in EN 15313."""
+
+    min_flange_thickness_mm: Positive | None = None
+    """minimum flange thickness"""
+    max_flange_height_mm: Positive | None = None
+    """maximum flange height"""
+    min_flange_slope_mm: Positive | None = None
+    """minimum flange slope qR"""
+    max_hollow_mm: Positive | None = None
+    """maximum height of the tread over its field side"""
+    max_tread_wear_mm: Positive | None = None
+    """maximum loss of the radius at the tape line"""
+    max_top_wear_mm: Positive | None = None
+    """maximum wear of the rail's top"""
+    max_side_wear_mm: Positive | None = None
+    """maximum wear of the rail's gauge face"""
+
+
 LIMITS: dict[str, LimitKind] = {
     "min_flange_thickness_mm": LimitKind("wheel", "flange_thickness_mm", -1),
     "max_flange_height_mm": LimitKind("wheel", "flange_height_mm"),
@@ -320,7 +340,7 @@ LIMITS: dict[str, LimitKind] = {
     "max_top_wear_mm": LimitKind("rail", "top_wear_mm"),
     "max_side_wear_mm": LimitKind("rail", "side_wear_mm"),
 }
-"""Limits of measures. EN 15313: flange thickness, height and slope qR of wheels."""
+"""Measures of `Limits`."""
 MAX_CUT_DEG = 75.0
 """Steepest slope of a running surface that a cut restores: flanges have 70 degrees, faces of rails stay as they are."""
 HOLLOW_FROM_MM = -20.0
@@ -361,13 +381,6 @@ def _at(points: Floats, axis: int, value: float) -> float:
         points = points[points[:, 0] < 0.0]
     order = np.argsort(points[:, axis])
     return float(np.interp(value, points[order, axis], points[order, 1 - axis]))
-
-
-def check_limits(limits: Mapping[str, float]) -> None:
-    """Refuse limits that do not exist, as an `InputError`."""
-    for name, value in limits.items():
-        if name not in LIMITS or not (is_finite(value) and value > 0.0):
-            raise InputError(f"limit {name} = {value}", f"{', '.join(LIMITS)}, in mm, > 0", "correct the name or value")
 
 
 def reached(surface: WornSurface, limits: Mapping[str, float]) -> tuple[str, ...]:
