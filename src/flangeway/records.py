@@ -201,7 +201,7 @@ class Record(_Base):
             if written.isdisjoint(group):
                 raise refused_by_check(f"none of {', '.join(group)}", "one of them", f"add one, such as {group[0]}")
         for key, other in self.needs:
-            if key in written and other not in written:
+            if other not in written and getattr(self, key) != default_of(type(self).model_fields[key]):
                 raise refused_by_check(f"{key} without {other}", "both, or none", f"give {other}, or leave {key} out")
         return self
 

@@ -112,7 +112,7 @@ def test_a_barrier_of_a_case_is_that_of_multipliers_with_a_gap() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"motions": [{"body": "upper", "leg": 2, "push_N": (0.0, -1e3)}]}, "in leg 1"),
+        ({"motions": [{"body": "upper", "leg": 2, "push_N": (0.0, -1e3)}]}, r"motions\[1\].leg = 2"),
         ({"motions": [{"body": "middle", "shift_mm": (0.0, -0.1)}]}, "which has no supports"),
     ],
 )

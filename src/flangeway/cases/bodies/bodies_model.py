@@ -142,6 +142,13 @@ class _Builder:
                     with located(f"{key}.{what}: "):
                         touching = self.meshes[name].edge_set(edges, within=box)
                     self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", touching)
+                orders = [self.tables[name].order for name in (table.secondary, table.primary)]
+                if orders[0] != orders[1]:
+                    raise InputError(
+                        f"{key}.pairing = 'node-to-node' of bodies with order = {orders[0]} and order = {orders[1]}",
+                        "one order for both bodies",
+                        "change one of them, or take segment-to-segment",
+                    )
                 pairs.append((table.secondary, f"{key}.secondary", table.primary, f"{key}.primary"))
         with located("contacts: "):
             self.meshes = match_all(self.meshes, pairs)
