@@ -9,7 +9,7 @@ A record is a class below `Record` with a field for each input and a sentence on
 The same class checks the tables of case files, the arguments of scripts and the values of the command line, and makes
 reference pages, files to begin with and the JSON schema. Kinds of one thing are classes with a field ``kind``, a
 `typing.Literal`; the field that takes them has their union as its type. A kind is also named by its text alone:
-``support = "fixed"`` means ``support = { kind = "fixed" }``. Kinds without that field are told by the inputs that they
+``support = "fixed"`` means ``support = { kind = "fixed" }``. Kinds without that field differ in the inputs that they
 need: a load is a pressure where ``pressure_MPa`` is written.
 
 What inputs exclude or need each other is declared by `Record.exclusive`, `Record.needed` and `Record.needs`.
@@ -306,8 +306,8 @@ def fields_of(kinds: Sequence[type[Record]]) -> dict[str, FieldInfo]:
     return {key: field for kind in kinds for key, field in kind.described_fields().items()}
 
 
-def telling(kind: type[Record], kinds: Iterable[type[Record]]) -> list[str]:
-    """Needed inputs of a kind that tell it from others, which do not need them."""
+def distinguishing(kind: type[Record], kinds: Iterable[type[Record]]) -> list[str]:
+    """Needed inputs of a kind that others do not need."""
     needed = [{key for key, field in one.model_fields.items() if field.is_required()} for one in kinds]
     return [
         key for key, field in kind.model_fields.items() if field.is_required() and any(key not in one for one in needed)
@@ -317,7 +317,7 @@ def telling(kind: type[Record], kinds: Iterable[type[Record]]) -> list[str]:
 def _tables_of_inputs(kinds: Sequence[type[Record]], units: Units, path: str) -> list[tuple[str, list[InputRow]]]:
     """See `Record.tables_of_inputs`; `path`: that of this table in the case, with a point at the end."""
     rows, inner = [], []
-    optional = {key for kind in kinds for key in telling(kind, kinds)}
+    optional = {key for kind in kinds for key in distinguishing(kind, kinds)}
     for key, field in fields_of(kinds).items():
         unit = us_key(key) if units == "us" else None
         is_needed = field.is_required() and key not in optional
@@ -690,8 +690,8 @@ def _input_error(
             if error["type"] == "missing":
                 text = f"{where(key[:-1])}no {key_text(key)}"
             faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
-            if error["type"] == "missing" and kind_of(table) is None and last in telling(table, kinds):
-                choices = dict.fromkeys(choice for kind in kinds for choice in telling(kind, kinds))
+            if error["type"] == "missing" and kind_of(table) is None and last in distinguishing(table, kinds):
+                choices = dict.fromkeys(choice for kind in kinds for choice in distinguishing(kind, kinds))
                 text = f"{where(key[:-1])}{key_text(key[:-1])} without {', '.join(choices)}"
                 faults[key] = text, "one of them", "add one of them"
         elif unit is not None:
@@ -753,12 +753,12 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
 
 
 def _nearest_kind(kinds: list[type[Record]], values: Any) -> type[Record]:
-    """Kind that has most of the written inputs and lacks least of what tells it."""
+    """Kind that has most of the written inputs and lacks least of what it needs."""
     given = values if isinstance(values, Mapping) else {}
 
     def fit(kind: type[Record]) -> tuple[int, int]:
         names = {kind.input_named(str(key))[0] for key in given}
-        return len(names & kind.model_fields.keys()), -len({*telling(kind, kinds)} - names)
+        return len(names & kind.model_fields.keys()), -len({*distinguishing(kind, kinds)} - names)
 
     return max(kinds, key=fit)
 

@@ -116,7 +116,7 @@ def test_both_blocks_of_one_file_are_pressed(tmp_path):
 @pytest.mark.parametrize(
     ("key", "value", "told"),
     [
-        ("size_mm", 1.0, "the file's mesh as it is"),
+        ("size_mm", 1.0, "size_mm of an outline"),
         ("cells", "MIDDLE", "LOWER, UPPER"),
         ("method", "fem", 'method = "vem"'),
         ("materials", {"MIDDLE": {}}, "LOWER"),

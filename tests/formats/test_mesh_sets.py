@@ -267,7 +267,7 @@ def test_a_polygon_with_curves_keeps_them_as_a_part(tmp_path):
     case = find_case("two-bodies").from_values(
         {
             "bodies": [{"name": "ring", "file": str(file), "cells": "RING", "unit": "in", "method": "vem"}],
-            "loads": [{"body": "ring", "force_N": [0.0, 1.0], "edges": []}],
+            "loads": [{"body": "ring", "force_N": [0.0, 1.0], "edges": "outer"}],
         }
     )
     mesh: PolyMesh = body_shape(case.bodies[0], "bodies[1]", []).mesh

@@ -41,7 +41,7 @@ SHAPE = st.one_of(
     st.fixed_dictionaries({"rectangle": tables({"width_mm": POSITIVE, "height_mm": POSITIVE}, centre_mm=PAIRS)}),
     st.fixed_dictionaries({"disc": tables({"radius_mm": POSITIVE}, half=st.sampled_from(["upper", "lower"]))}),
 )
-FINE = tables({"size_mm": POSITIVE}, at_mm=st.lists(PAIRS, min_size=1, max_size=3), growth=st.floats(0.01, 1.0))
+FINE = tables({"size_mm": POSITIVE, "at_mm": st.lists(PAIRS, min_size=1, max_size=3)}, growth=st.floats(0.01, 1.0))
 OF_FILE = tables(
     {"file": st.just("mesh.msh")},
     unit=st.sampled_from(["cm", "in"]),

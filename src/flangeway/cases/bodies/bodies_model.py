@@ -161,7 +161,7 @@ class _Builder:
         case, table, mesh = self.case, self.tables[name], self.meshes[name]
         groups = [numbered(group, getattr(case, group), name) for group in ("supports", "loads", "springs")]
         rows: list[tuple[str, Any]] = [row for group in groups for row in group]
-        named = {key: row.found(mesh, key) for key, row in rows if isinstance(row, EdgesTable)}
+        named = {key: row.edges_on(mesh, key) for key, row in rows if isinstance(row, EdgesTable)}
         mesh = replace(mesh, edge_sets={**mesh.edge_sets, **named})
         supports, springs = ([row.support(row.where(key)) for key, row in groups[number]] for number in (0, 2))
         loads = [

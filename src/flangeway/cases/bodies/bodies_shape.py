@@ -385,7 +385,7 @@ class EdgesTable(Record):
 
     needed = (("edges", "at_x_mm", "at_y_mm", "box_mm"),)
 
-    def found(self, mesh: PolyMesh, key: str) -> IntArray:
+    def edges_on(self, mesh: PolyMesh, key: str) -> IntArray:
         """Return the edges on a mesh, pairs of points (n, 2)."""
         with located(f"{key}{'' if self.edges is None else '.edges'}: "):
             return mesh.edge_set(self.edges, within=self.box_mm, at_x=self.at_x_mm, at_y=self.at_y_mm)
@@ -531,7 +531,7 @@ class VolumeForce(CellsTable):
         return BodyForce(self.body_force_N_mm3, where)
 
 
-class Heating(CellsTable):
+class TemperatureRise(CellsTable):
     """A rise of the temperature."""
 
     temperature_K: float
@@ -643,7 +643,9 @@ class BodiesInputs(Case):
     """supports, with or without a prescribed displacement"""
     springs: list[EdgesSpring | PointSpring] = Field([])
     """elastic supports of edges and points"""
-    loads: list[PressureLoad | TractionLoad | EdgesForce | NodeForce | VolumeForce | Heating | Weight] = Field([])
+    loads: list[PressureLoad | TractionLoad | EdgesForce | NodeForce | VolumeForce | TemperatureRise | Weight] = Field(
+        []
+    )
     """pressures, tractions, forces, weight and changes of temperature"""
     motions: list[Shift | Push] = Field([])
     """rigid motions of bodies in contact, or forces on supports"""
