@@ -1,5 +1,6 @@
 """Newton's method for contact, of nonlinear materials too, converges quadratically; forces obey their laws."""
 
+from dataclasses import fields
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +23,11 @@ from flangeway.contact import (
     press_nonlinear,
     solve_contact,
 )
+from flangeway.contact.contact_state import ContactProblem
+from flangeway.contact.contact_step import after, step
+from flangeway.contact.newton import _first_state
 from flangeway.contact.pairs import Enforcement
+from flangeway.contact.system import ContactLinearisation
 from flangeway.elements import Lagrange, Virtual
 from flangeway.geometry import Placement, rectangle
 from flangeway.materials import Elastic, J2Plasticity, NeoHooke
@@ -30,6 +35,7 @@ from flangeway.mesh import dual, rectangle_grid
 from flangeway.problems import Body, Elasticity, Part, PrescribedDisplacement, fixed
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_nonlinear
 from flangeway.solve.active_set import Answer, DenseEquations, Laws, Motions, solve
+from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.status import STALLED_ITERATIONS, Iteration, is_at_round_off
 from flangeway.space import Space
 from flangeway.types import Floats
@@ -61,6 +67,38 @@ def test_the_last_iteration_takes_the_derivatives_of_the_one_before(press, monke
     assert len(states[0].history) == len(states[1].history)
     assert counts[0] == counts[1] - 1
     assert np.abs(states[0].nodal_forces - states[1].nodal_forces).max() < 1e-10 * states[1].forces.max()
+
+
+def arrays_in(value) -> list[np.ndarray]:
+    """Copies of all arrays in a value and in its parts."""
+    if isinstance(value, np.ndarray):
+        return [value.copy()]
+    if sp.issparse(value):
+        return [value.toarray()]
+    parts = value if isinstance(value, tuple) else ()
+    if isinstance(value, ContactLinearisation):  # without what is computed when it is first asked for
+        parts = [getattr(value, field.name) for field in fields(value)]
+    return [array for part in parts for array in arrays_in(part)]
+
+
+def test_steps_are_functions_of_a_state(press) -> None:
+    """A step and the state after it, whole or in part, are the same when taken again, and leave the state as it was."""
+    problem = press("fem")
+    response, placements = CondensedBodies(problem.system.surface_nodes), problem.placements(DEPTH)
+    handle = Handle((problem.system.parts[0],), np.zeros(2), np.array([[0.0, 1.0]]), turns=False, load=[0.0, -1.0, 0.0])
+    handles = Handles(response, placements, [handle, None])
+    contact = ContactProblem(response, problem.system, handles, NewtonSettings(), None, None)
+    state = _first_state(contact)
+    for _ in range(4):
+        before, first, second = arrays_in(state), step(contact, state), step(contact, state)
+        halves = [after(contact, state, taken, 0.5, settle=False) for taken in (first, second)]
+        following = after(contact, state, first, 1.0, settle=False)
+        for one, other in ((before, arrays_in(state)), (arrays_in(first), arrays_in(second)), map(arrays_in, halves)):
+            assert len(one) == len(other)
+            assert all(map(np.array_equal, one, other))
+        assert len(following.history) == len(state.history) + 1
+        state = following
+    assert state.history[-1].residual < 1e-6 * state.history[0].residual
 
 
 def test_steps_are_halved_and_doubled(press) -> None:
