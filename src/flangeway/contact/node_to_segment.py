@@ -22,10 +22,10 @@ from flangeway.contact.kinematics import (
 )
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import Surface, node_normals, turns_of
+from flangeway.contact.surface import Surface, node_normals, pressing_cosines, turns_of
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import COLLINEAR, cross_product, point_text, turned_right
+from flangeway.geometry.arrays import COLLINEAR, cross_product, norms, point_text, turned_right
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Bools, Floats, Ints
 
@@ -222,10 +222,13 @@ def facing_pairs(
     behind an edge by the ``margins`` of its ends (n_edges, 2), unless it `leads_out`. With depths ``explained`` of
     nodes and edges only nodes that are deeper.
     """
-    points = positions[wanted]
-    partners = nearest_edges(points, directions[wanted], edges)
+    points, opposition = positions[wanted], pressing_cosines(positions, edge_places)[wanted]
+    partners = nearest_edges(points, directions[wanted], edges, opposition)
     stays = kept[wanted] >= 0
-    stays[stays] = np.abs(closest_parameters(points[stays], edges[kept[wanted[stays]]]) - 0.5) <= 0.5 + stay
+    faced, outwards = edges[kept[wanted[stays]]], directions[wanted[stays]]
+    chords = faced[:, -1] - faced[:, 0]
+    opposite = cross_product(chords, outwards) > opposition[stays] * norms(chords) * norms(outwards)
+    stays[stays] = opposite & (np.abs(closest_parameters(points[stays], faced) - 0.5) <= 0.5 + stay)
     partners[stays] = kept[wanted[stays]]
     has_partner = partners >= 0
     nodes, partners = wanted[has_partner], partners[has_partner]

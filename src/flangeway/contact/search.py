@@ -193,7 +193,7 @@ def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:
     return result
 
 
-def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
+def nearest_edges(points: Floats, directions: Floats, edges: Floats, opposition: Floats | float = 0.0) -> Ints:
     """Nearest edge that faces each point, by distance to its chord.
 
     Edges are sought in boxes about the points, larger ones for those that no edge in their box faces, so that the
@@ -207,6 +207,9 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
         Outward directions of the points' own body, shape (n_points, 2).
     edges
         Positions of the edges' nodes, their body on the left, shape (n_edges, order + 1, 2).
+    opposition
+        Cosine >= 0 of the angle between a point's direction and the opposite of an edge's normal, up to which the edge
+        faces it: one, or one a point (n_points,).
 
     Returns
     -------
@@ -217,15 +220,17 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     result: Ints = np.full(len(points), -1, dtype=np.int64)
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
     normals = turned_right(chords)
-    open_points = np.flatnonzero(_may_face(directions, normals))
+    limits = -opposition * norms(directions)
+    open_points = np.flatnonzero(_may_face(directions, normals, opposition))
     tree = shapely.STRtree(shapely.box(*_boxes(edges[:, [0, -1]], 0.0)))
     everything = np.concatenate((points, *edges.swapaxes(0, 1)))
-    extent, radius = float(np.ptp(everything, axis=0).max()), float(np.linalg.norm(chords, axis=1).mean())
+    lengths = norms(chords)
+    extent, radius = float(np.ptp(everything, axis=0).max()), float(lengths.mean())
     while len(open_points):
         low, high = points[open_points] - radius, points[open_points] + radius
         of, near = tree.query(shapely.box(*low.T, *high.T))
         of = open_points[of]
-        facing = np.einsum("ni,ni->n", directions[of], normals[near]) < 0.0
+        facing = np.einsum("ni,ni->n", directions[of], normals[near]) < limits[of] * lengths[near]
         of, near = of[facing], near[facing]
         apart, along = points[of] - starts[near], chords[near]
         share = np.clip(np.einsum("ni,ni->n", apart, along) / np.einsum("ni,ni->n", along, along), 0.0, 1.0)
@@ -242,13 +247,13 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     return result
 
 
-def _may_face(directions: Floats, normals: Floats) -> NDArray[np.bool_]:
+def _may_face(directions: Floats, normals: Floats, opposition: Floats | float) -> NDArray[np.bool_]:
     """Whether any edge faces points with outward directions (n, 2): its normal is the most against one, (n,)."""
     angles = np.sort(np.arctan2(normals[:, 1], normals[:, 0]))
     against = np.arctan2(-directions[:, 1], -directions[:, 0])
     index = np.searchsorted(angles, against)
     nearest = np.stack((angles[index - 1], angles[index % len(angles)]))
-    return (np.cos(nearest - against) > -1e-9).any(axis=0)
+    return (np.cos(nearest - against) > opposition - 1e-9).any(axis=0)
 
 
 def leads_out(

@@ -19,6 +19,7 @@ from flangeway.geometry.arrays import (
     chord_depths,
     cross_product,
     facet_depths,
+    norms,
     point_text,
     turned_right,
 )
@@ -35,6 +36,10 @@ CORNER_ANGLE = np.deg2rad(15.0)
 CHORD_ANGLE = np.deg2rad(5.0)
 """Turn between edges up to which they are taken for chords of a curve where none is drawn, 72 or more to a circle: what
 these overlap is allowed, what the sides of a polygon overlap is not. Of a drawn curve it is `CORNER_ANGLE`."""
+
+PRESSING_ANGLE = np.deg2rad(30.0)
+"""Angle beyond the normals of a node's edges up to which an edge presses on it: coarse chords of two curves turn by
+half of it each. What presses on a smooth surface from the side is the corner beside the node."""
 
 MAX_STRAIGHT_DISTANCE = 1e-9
 """Distance of the curve from the edges' middles, relative to the edges, below which it is straight."""
@@ -486,3 +491,30 @@ def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = Fals
     for column in edge_places.T:
         np.add.at(normals, column, edge_normals)
     return normals
+
+
+def pressing_cosines(positions: Floats, edge_places: Ints) -> Floats:
+    """Minimum cosine >= 0 between the direction of a node and the opposite of the normal of an edge that presses on it.
+
+    That is the angle from the bisector to the normals of the node's two edges, and `PRESSING_ANGLE`: a node within a
+    smooth surface is pressed along its normal alone, one at a corner from all of its sides. At the ends of a chain all
+    edges press that face the node.
+
+    Parameters
+    ----------
+    positions, edge_places
+        See `node_normals`.
+
+    Returns
+    -------
+    Floats
+        Shape (n_nodes,).
+
+    """
+    counts, ends = (
+        np.bincount(places.ravel(), minlength=len(positions)) for places in (edge_places, edge_places[:, [0, -1]])
+    )
+    # the sum of two unit normals is twice the cosine of half of the angle between them
+    half = np.minimum(norms(node_normals(positions, edge_places, bisecting=True)) / np.maximum(counts, 1), 1.0)
+    cosines = half * np.cos(PRESSING_ANGLE) - np.sqrt(1.0 - half**2) * np.sin(PRESSING_ANGLE)
+    return np.where(ends == 1, 0.0, np.maximum(cosines, 0.0))
