@@ -156,3 +156,10 @@ def test_a_fine_mesh_states_no_error() -> None:
     coarse = HertzCase.from_values({"indentation_mm": 1e-3}).run()
     assert coarse.status.converged
     assert any("may be off" in notice for notice in coarse.notices)
+
+
+def test_surfaces_that_end_within_the_contact_are_refused() -> None:
+    """A sphere whose contact reaches 7.9 mm, on a surface that ends at 5.7: the flat beyond it lies in the sphere."""
+    coarse = NarrowContact.random(166).solve()
+    assert not coarse.converged
+    assert "give all edges that may touch" in coarse.message

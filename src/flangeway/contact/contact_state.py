@@ -71,6 +71,16 @@ class ContactState:
     response: BodyResponse | None = None
 
 
+def bending(response: BodyResponse, placements: Sequence[Placement], positions: Floats, displacements: Floats) -> float:
+    """Maximum displacement of the surfaces by which elements bend between their nodes.
+
+    That by contact forces, ``displacements`` (n_nodes, 2), or where it is less the one of the ``positions`` (n_nodes,
+    2) from the placed bodies without loads: forces take back what loads alone would displace.
+    """
+    moves = displacements, positions - response.undeformed(placements)
+    return min(float(np.linalg.norm(move, axis=1).max(initial=0.0)) for move in moves)
+
+
 class ContactEquations(NamedTuple):
     """Linear complementarity problem of an iteration.
 

@@ -40,7 +40,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flangeway.contact.contact_state import ContactIterate, ContactProblem, ContactState, HeldMotions
+from flangeway.contact.contact_state import ContactIterate, ContactProblem, ContactState, HeldMotions, bending
 from flangeway.contact.contact_step import ContactStep, after, step
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Entry, carried_forces
@@ -220,7 +220,7 @@ def _with_constraints(problem: ContactProblem, state: ContactIterate) -> Contact
     """
     lin = _unguarded(problem, state) if state.is_guarded else None
     if lin is None:
-        maximum = float(np.abs(state.displacements).max(initial=0.0))
+        maximum = bending(problem.response, state.placed.placements, state.positions, state.displacements)
         lin = problem.constraints.guarded(state.positions, state.lin, state.forces, maximum)
     return None if lin is None else problem.at(state._replace(is_guarded=False), lin).corrected()
 

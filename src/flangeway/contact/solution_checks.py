@@ -8,7 +8,7 @@ from functools import cache, cached_property, reduce
 import numpy as np
 import shapely
 
-from flangeway.contact.contact_state import ContactState
+from flangeway.contact.contact_state import ContactState, bending
 from flangeway.contact.force_errors import (
     ForceError,
     force_errors,
@@ -25,7 +25,7 @@ from flangeway.mesh.connectivity import edge_places
 from flangeway.problems import Body, Part
 from flangeway.solve import BodyResponse, Checks, Handle
 from flangeway.space.symmetric import EPS
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 # --- Overlap of deformed bodies, measured by Shapely on their whole boundaries.
 
@@ -49,12 +49,15 @@ class Intrusion:
         That point, x and y.
     allowed
         Sagitta of the drawn curves there, whose chords are the edges.
+    between_nodes
+        Depth that elements which bend leave between nodes there.
 
     """
 
     depth: float
     position: tuple[float, float]
     allowed: float
+    between_nodes: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,19 +70,22 @@ class Boundary:
         Ends of the segments, the body on their left, shape (n, 2, 2).
     sagittas
         Distance of a drawn curve through the edges' ends from the segments, shape (n,).
+    in_contacts
+        Whether the segments are of surfaces of contacts, shape (n,).
 
     """
 
     segments: Floats
     sagittas: Floats
+    in_contacts: Bools
 
     @classmethod
     def of_part(
-        cls, part: Part, positions: Floats, surfaces: Sequence[Surface] = (), chord_turn: float = CORNER_ANGLE
+        cls, part: Part, positions: Floats, surfaces: Sequence[Surface] = (), followed: Sequence[Surface] = ()
     ) -> "Boundary":
         """Boundary of a part whose nodes are at positions in space (n_nodes, 2); curved edges become 8 segments.
 
-        Edges of surfaces follow their drawn curves.
+        ``surfaces`` are those of contacts; edges of the ``followed`` ones follow their drawn curves.
         """
         edges = part.body.boundary_edges
         nodes = part.body.edge_nodes(edges)
@@ -88,8 +94,12 @@ class Boundary:
         drawn, points = part.placement.points(part.body.nodes)[edges], positions[nodes]
         order, joints = nodes.shape[1] - 1, (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64))
         exact, bends = np.zeros(len(edges), dtype=np.bool_), np.zeros(len(edges), dtype=np.complex128)
+        in_contacts, chord_turn = exact.copy(), max((side.chord_turn for side in surfaces), default=CORNER_ANGLE)
         for surface in surfaces:
             rows = edge_places(surface.edge_nodes[:, [0, -1]], edges, len(part.body.nodes))[0]
+            in_contacts[rows] = True
+            if surface not in followed:
+                continue
             exact[rows] |= surface.follows_curve
             if surface.bends is not None:
                 bends[rows] = surface.bends.conj() if part.placement.mirrored else surface.bends
@@ -100,7 +110,7 @@ class Boundary:
         # half a chord beside a corner, as on dual polygons, has no turn that shows the curve: its neighbour has
         sagittas = np.where(exact, 0.0, at_ends[edges].max(axis=1))
         if order == 1 and not bends.any():
-            return cls(points, sagittas)
+            return cls(points, sagittas, in_contacts)
         if order == 1:
             start, end = as_complex(points).T
             points = np.insert(points, 1, as_vectors((start + end) / 2.0 + bends * (end - start)), axis=1)
@@ -109,7 +119,7 @@ class Boundary:
         shapes = shape_functions(points.shape[1] - 1, np.linspace(0.0, 1.0, parts + 1), 0)[0]
         along = np.einsum("ta,eai->eti", shapes, points)
         segments = np.stack((along[:, :-1], along[:, 1:]), axis=2).reshape(-1, 2, 2)
-        return cls(segments, np.repeat(sagittas, parts))
+        return cls(segments, np.repeat(sagittas, parts), np.repeat(in_contacts, parts))
 
     @cached_property
     def area(self) -> shapely.Geometry:
@@ -137,19 +147,27 @@ class Boundary:
         numbers = self._tree.nearest(geometries)
         return shapely.distance(geometries, self._tree.geometries[numbers]), numbers
 
-    def overlap(self, other: "Boundary") -> Intrusion | None:
-        """Point of one boundary in the other's body with the maximum depth beyond the curves; None if apart."""
+    def overlap(self, other: "Boundary", deformation: float) -> Intrusion | None:
+        """Point of one boundary in the other's body with the maximum depth beyond what is allowed; None if apart.
+
+        ``deformation`` is the displacement of the surfaces by which elements bend.
+        """
         common = shapely.intersection(self.area, other.area)
         points = [_samples(ring) for polygon in shapely.get_parts(common) for ring in _rings_of(polygon)]
         if not points:
             return None
         at = np.concatenate(points)
         (own_depths, own_edges), (other_depths, other_edges) = self.nearest(at), other.nearest(at)
-        return _deepest(
-            at, np.maximum(own_depths, other_depths), self.sagittas[own_edges] + other.sagittas[other_edges]
-        )
+        depths, seen = np.maximum(own_depths, other_depths), np.ones(len(at), dtype=np.bool_)
+        for boundary, edges in ((self, own_edges), (other, other_edges)):
+            # no constraint sees what lies further beyond the end of a surface than it is deep
+            rows = np.flatnonzero(~boundary.in_contacts[edges])
+            surfaces = shapely.multilinestrings(boundary.segments[boundary.in_contacts])
+            seen[rows] &= shapely.distance(shapely.points(at[rows]), surfaces) <= 2.0 * depths[rows]
+        between = deformation * np.where(seen, MAX_OVERLAP, LARGE_OVERLAP)
+        return _deepest(at, depths, self.sagittas[own_edges] + other.sagittas[other_edges], between)
 
-    def overlap_with_itself(self, apart: float) -> Intrusion | None:
+    def overlap_with_itself(self, apart: float, deformation: float) -> Intrusion | None:
         """Point of this boundary in the body's other side with the maximum depth, seen from ``apart`` outside of it.
 
         Round a point of an overlap the boundary winds twice, and just outside of an edge in it once.
@@ -165,7 +183,8 @@ class Boundary:
         away = shapely.distance(shapely.points(at)[:, None], self._tree.geometries)
         away[chords[owner] @ chords.T >= 0.0] = np.inf  # edges that run the other way face this one
         facing = away.argmin(axis=1)
-        return _deepest(at, away.min(axis=1), self.sagittas[owner] + self.sagittas[facing])
+        sagittas = self.sagittas[owner] + self.sagittas[facing]
+        return _deepest(at, away.min(axis=1), sagittas, np.full(len(at), MAX_OVERLAP * deformation))
 
 
 def _rings_of(polygon: shapely.Geometry) -> Sequence[shapely.Geometry]:
@@ -178,10 +197,10 @@ def _samples(ring: shapely.Geometry) -> Floats:
     return (at[:-1, None] + SAMPLES[:-1] * np.diff(at, axis=0)[:, None]).reshape(-1, 2)
 
 
-def _deepest(points: Floats, depths: Floats, allowed: Floats) -> Intrusion:
-    deepest = int(np.argmax(depths - allowed))
+def _deepest(points: Floats, depths: Floats, sagittas: Floats, between_nodes: Floats) -> Intrusion:
+    deepest = int(np.argmax(depths - sagittas - between_nodes))
     x, y = points[deepest].tolist()
-    return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
+    return Intrusion(float(depths[deepest]), (x, y), float(sagittas[deepest]), float(between_nodes[deepest]))
 
 
 @dataclass(frozen=True)
@@ -198,7 +217,10 @@ class BodyOverlap:
         That point, x and y.
     allowed
         Depth that is explained there: by the penetration of the contact law, by the sagitta h^2 / 8 R of drawn curves
-        on each side, by `MAX_OVERLAP` of the surfaces' maximum displacement, and by round-off.
+        on each side, by what is between nodes, and by round-off.
+    between_nodes
+        Depth that is explained between nodes: `MAX_OVERLAP` of `flangeway.contact.contact_state.bending` on surfaces of
+        contacts, beyond their ends `LARGE_OVERLAP` of it.
 
     """
 
@@ -206,6 +228,7 @@ class BodyOverlap:
     depth: float
     position: tuple[float, float]
     allowed: float
+    between_nodes: float = 0.0
 
     @property
     def is_explained(self) -> bool:
@@ -245,11 +268,11 @@ def deformed_boundaries(
 
 def _boundary(system: ContactSystem, part: Part, positions: Floats, followed: Sequence[Contact]) -> Boundary:
     """Boundary of a part whose nodes are at positions in space, on its curves where contacts follow them."""
-    on_curves, sides = (
+    of_part, on_curves = (
         [side for contact in contacts for side in contact.sides if side.part is part]
-        for contacts in (followed, system.contacts)
+        for contacts in (system.contacts, followed)
     )
-    return Boundary.of_part(part, positions, on_curves, max(side.chord_turn for side in sides))
+    return Boundary.of_part(part, positions, of_part, on_curves)
 
 
 def body_overlaps(
@@ -276,7 +299,7 @@ def body_overlaps(
     if fields is None:
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = deformed_boundaries(system, response, state, fields)
-    moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
+    deformation = bending(response, state.placements, state.positions, state.displacements)
     overlaps = []
     sides = [side for side in zip(system.parts, boundaries, strict=True) if side[0].body.boundary_is_closed]
     touched = {
@@ -285,14 +308,15 @@ def body_overlaps(
     alone = [(side, side) for side in sides if id(side[0]) in touched]
     for (one, first_side), (other, other_side) in itertools.chain(itertools.combinations(sides, 2), alone):
         if one is other:
-            deepest = first_side.overlap_with_itself(ROUND_OFF * one.body.size)
+            deepest = first_side.overlap_with_itself(ROUND_OFF * one.body.size, deformation)
         else:
-            deepest = first_side.overlap(other_side)
+            deepest = first_side.overlap(other_side, deformation)
         if deepest is not None:
             size = min(one.body.size, other.body.size)
             allowed = deepest.allowed + _between(system, state, one, other)
-            allowed += MAX_OVERLAP * moved + ROUND_OFF * size
-            overlaps.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
+            allowed += deepest.between_nodes + ROUND_OFF * size
+            both = one.name, other.name
+            overlaps.append(BodyOverlap(both, deepest.depth, deepest.position, allowed, deepest.between_nodes))
     return tuple(overlaps)
 
 
@@ -436,7 +460,7 @@ def check_solution(
         for x, y in system.corners_on_corners(undeformed, number)[:1]
     ]
     size = max(part.body.size for part in system.parts)
-    moved = float(np.linalg.norm(state.displacements, axis=1).max(initial=0.0))
+    moved = bending(response, state.placements, state.positions, state.displacements)
     slide, by_slides = _slide(system, state, errors)
     # Forces of a pair act at points that a gap separates: the sum of f.x over all nodes is that of force times gap.
     work = abs(float((state.nodal_forces * (state.positions - state.positions.mean(axis=0))).sum()))
@@ -462,7 +486,7 @@ def check_solution(
             cells = _cells(part, part.body, field, errors, warnings)
             inverted, strain, turn = inverted + cells[0], max(strain, cells[1]), max(turn, cells[2])
     # without the tolerance for what bends between nodes
-    beyond = [overlap.depth - overlap.allowed + MAX_OVERLAP * moved for overlap in overlaps]
+    beyond = [overlap.depth - overlap.allowed + overlap.between_nodes for overlap in overlaps]
     overlap = max([0.0, *beyond])
     if overlap > LARGE_OVERLAP * moved and not errors:
         deepest = overlaps[int(np.argmax(beyond))]
