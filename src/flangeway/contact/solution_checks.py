@@ -198,7 +198,8 @@ def _samples(ring: shapely.Geometry) -> Floats:
 
 
 def _deepest(points: Floats, depths: Floats, sagittas: Floats, between_nodes: Floats) -> Intrusion:
-    deepest = int(np.argmax(depths - sagittas - between_nodes))
+    beyond = depths - sagittas
+    deepest = int(np.argmax(beyond if (beyond <= between_nodes).all() else beyond - between_nodes))
     x, y = points[deepest].tolist()
     return Intrusion(float(depths[deepest]), (x, y), float(sagittas[deepest]), float(between_nodes[deepest]))
 
