@@ -147,10 +147,10 @@ class Boundary:
         numbers = self._tree.nearest(geometries)
         return shapely.distance(geometries, self._tree.geometries[numbers]), numbers
 
-    def overlap(self, other: "Boundary", deformation: float) -> Intrusion | None:
+    def overlap(self, other: "Boundary", deformation: float = 0.0) -> Intrusion | None:
         """Point of one boundary in the other's body with the maximum depth beyond what is allowed; None if apart.
 
-        ``deformation`` is the displacement of the surfaces by which elements bend.
+        ``deformation`` is the displacement of the surfaces by which elements bend, see `bending`.
         """
         common = shapely.intersection(self.area, other.area)
         points = [_samples(ring) for polygon in shapely.get_parts(common) for ring in _rings_of(polygon)]
