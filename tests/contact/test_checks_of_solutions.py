@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.pushed import Case
 from flangeway.contact import (
     Barrier,
     Contact,
@@ -72,6 +73,15 @@ def test_strains_beyond_the_linear_range_are_said_with_their_size() -> None:
     assert large.status.checks.max_strain == pytest.approx(100.0 * small.status.checks.max_strain, rel=0.1)
     assert large.status.checks.max_strain > 0.05
     assert "not linear" in large.status.message
+
+
+def test_a_linear_body_that_turns_by_more_than_a_radian_is_no_solution() -> None:
+    """A strip displaced by 0.6 of its length over a stop: rotations of 1.65 rad make its sides twice as long."""
+    solution = Case.of(57).solve(1)
+    assert solution.status.checks is not None
+    assert solution.status.checks.max_turn > 1.0
+    assert not solution.status.converged
+    assert any("not linear" in error for error in solution.status.checks.errors)
 
 
 def test_an_unbalanced_solution_is_refused() -> None:

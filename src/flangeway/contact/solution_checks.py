@@ -429,6 +429,9 @@ LARGE_STRAIN = 0.05
 LARGE_TURN = 0.1
 """Rotation of a cell in rad whose square half, 0.005, is a false strain."""
 
+MAX_LINEAR = 1.0
+"""Strain, and rotation in rad, above which the solution of a linear body is wrong: sides are longer by two fifths."""
+
 
 def check_solution(
     system: ContactSystem,
@@ -673,6 +676,7 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     ):
         cell = int(values.argmax())
         if values[cell] > limit:
-            words = what.format(part.name, values[cell])
-            warnings.append(f"{words} at {point_text(centres[cell])}, beyond {limit:g}, where bodies are not linear")
+            words, wrong = what.format(part.name, values[cell]), values[cell] > MAX_LINEAR
+            where = f"at {point_text(centres[cell])}, beyond {MAX_LINEAR if wrong else limit:g}"
+            (errors if wrong else warnings).append(f"{words} {where}, where bodies are not linear")
     return int(inverted.sum()), float(strains.max()), float(turns.max())
