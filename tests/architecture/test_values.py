@@ -40,7 +40,6 @@ EXCEPTIONS = {
     "system.operating_system.environment": "environment of processes",
     "system.workbook.write_workbook": "sheet of openpyxl",
     # readers: what a file or a case says is collected line by line
-    "cases.bodies.bodies_model._Builder": "meshes, edges and notices of a case",
     "formats.abaqus_files._take": "model of an input file",
     "formats.abaqus_files._take_elements": "model of an input file",
     "formats.abaqus_files._take_nodes": "model of an input file",

@@ -10,6 +10,7 @@ from flangeway.cases.bodies.bodies_shape import (
     ROLES,
     BodiesInputs,
     BodyShape,
+    BodyTable,
     ContactTable,
     EdgesTable,
     MatchedPairing,
@@ -83,32 +84,75 @@ def build_bodies(case: BodiesInputs) -> BodiesModel:
     It is an `InputError` if a name is unknown, a position has no edges, or keys contradict each other; the message
     names the table.
     """
-    return _Builder(case).model()
+    _refuse_names(case)
+    shapes: dict[str, BodyShape] = {}
+    notices: list[str] = []
+    for key, table in numbered("bodies", case.bodies):
+        with located(f"{key} {table.name!r}: ", unless="bodies["):
+            shapes[table.name] = body_shape(table, key, notices)
+    meshes = _matched(case, {name: shape.mesh for name, shape in shapes.items()})
+    return _Builder(case, shapes, meshes).model(notices)
 
 
+def _refuse_names(case: BodiesInputs) -> None:
+    """Refuse two bodies of one name, and tables for bodies that are not there."""
+    names = [body.name for body in case.bodies]
+    for number, (key, body) in enumerate(numbered("bodies", case.bodies)):
+        if body.name in names[:number]:
+            raise InputError(f"{key}.name = {body.name!r} for the second time", "a name for each", "rename one")
+    for group in ("supports", "springs", "loads", "motions", "contacts"):
+        for key, table in numbered(group, getattr(case, group)):
+            for role in ROLES if group == "contacts" else ("body",):
+                require_known(f"{key}.{role}", getattr(table, role), names, "the bodies")
+
+
+def _matched(case: BodiesInputs, meshes: dict[str, PolyMesh]) -> dict[str, PolyMesh]:
+    """Meshes of bodies that have each other's nodes where their contact is node-to-node.
+
+    Triangles with more nodes become virtual elements.
+    """
+    pairs, tables = [], {body.name: body for body in case.bodies}
+    for key, table in numbered("contacts", case.contacts):
+        if isinstance(table.pairing, MatchedPairing):
+            for role in ROLES:
+                name, edges, box, what = table.side(role)
+                with located(f"{key}.{what}: "):
+                    touching = meshes[name].edge_set(edges, within=box)
+                meshes[name] = meshes[name].with_edge_set(f"{key}.{role}", touching)
+            orders = [tables[name].order for name in (table.secondary, table.primary)]
+            if orders[0] != orders[1]:
+                raise InputError(
+                    f"{key}.pairing = 'node-to-node' of bodies with order = {orders[0]} and order = {orders[1]}",
+                    "one order for both bodies",
+                    "change one of them, or take segment-to-segment",
+                )
+            pairs.append((table.secondary, f"{key}.secondary", table.primary, f"{key}.primary"))
+    with located("contacts: "):
+        meshes = match_all(meshes, pairs)
+    for name, mesh in meshes.items():
+        polygons = mesh.cell_sizes > 3
+        if tables[name].method == "fem" and polygons.any():
+            meshes[name] = mesh.with_cell_set("triangles", ~polygons).with_cell_set("polygons", polygons)
+    return meshes
+
+
+@dataclass(frozen=True)
 class _Builder:
-    """One call of `build_bodies`."""
+    """A case with its bodies, meshed."""
 
-    def __init__(self, case: BodiesInputs) -> None:
-        self.case = case
-        self.notices: list[str] = []
-        self.tables = {body.name: body for body in case.bodies}
-        self.shapes: dict[str, BodyShape] = {}
-        self.meshes: dict[str, PolyMesh] = {}
+    case: BodiesInputs
+    shapes: Mapping[str, BodyShape]
+    meshes: Mapping[str, PolyMesh]
 
-    def model(self) -> BodiesModel:
-        self._refuse_names()
-        for key, table in numbered("bodies", self.case.bodies):
-            with located(f"{key} {table.name!r}: ", unless="bodies["):
-                self.shapes[table.name] = body_shape(table, key, self.notices)
-                self.meshes[table.name] = self.shapes[table.name].mesh
-        self._match_boundaries()
-        bodies = {name: self._body(name) for name in self.tables}
-        contacts = tuple(self._contact(table, key, bodies) for key, table in numbered("contacts", self.case.contacts))
+    def model(self, notices: list[str]) -> BodiesModel:
+        bodies = {table.name: self._body(key, table) for key, table in numbered("bodies", self.case.bodies)}
+        contacts = tuple(
+            self._contact(table, key, bodies, notices) for key, table in numbered("contacts", self.case.contacts)
+        )
         if contacts:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
         supported = tuple(table.body for table in self.case.supports)
-        model = BodiesModel(bodies, contacts, *self._motions(bodies), supported, tuple(self.notices))
+        model = BodiesModel(bodies, contacts, *self._motions(bodies), supported, tuple(notices))
         parts = [body.part for body in bodies.values() if body.part is not None]
         on_springs = {table.body for table in self.case.springs}
         if parts and not any(part.body.supported.any() or part.name in on_springs for part in parts):
@@ -121,56 +165,20 @@ class _Builder:
             refuse_floating(part.body)
         return model
 
-    def _refuse_names(self) -> None:
-        """Refuse two bodies of one name, and tables for bodies that are not there."""
-        names = [body.name for body in self.case.bodies]
-        for number, (key, body) in enumerate(numbered("bodies", self.case.bodies)):
-            if body.name in names[:number]:
-                raise InputError(f"{key}.name = {body.name!r} for the second time", "a name for each", "rename one")
-        for group in ("supports", "springs", "loads", "motions", "contacts"):
-            for key, table in numbered(group, getattr(self.case, group)):
-                for role in ROLES if group == "contacts" else ("body",):
-                    require_known(f"{key}.{role}", getattr(table, role), names, "the bodies")
-
-    def _match_boundaries(self) -> None:
-        """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
-        pairs = []
-        for key, table in numbered("contacts", self.case.contacts):
-            if isinstance(table.pairing, MatchedPairing):
-                for role in ROLES:
-                    name, edges, box, what = table.side(role)
-                    with located(f"{key}.{what}: "):
-                        touching = self.meshes[name].edge_set(edges, within=box)
-                    self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", touching)
-                orders = [self.tables[name].order for name in (table.secondary, table.primary)]
-                if orders[0] != orders[1]:
-                    raise InputError(
-                        f"{key}.pairing = 'node-to-node' of bodies with order = {orders[0]} and order = {orders[1]}",
-                        "one order for both bodies",
-                        "change one of them, or take segment-to-segment",
-                    )
-                pairs.append((table.secondary, f"{key}.secondary", table.primary, f"{key}.primary"))
-        with located("contacts: "):
-            self.meshes = match_all(self.meshes, pairs)
-        for name, mesh in self.meshes.items():
-            polygons = mesh.cell_sizes > 3
-            if self.tables[name].method == "fem" and polygons.any():
-                self.meshes[name] = mesh.with_cell_set("triangles", ~polygons).with_cell_set("polygons", polygons)
-
-    def _body(self, name: str) -> BodyModel:
-        case, table, mesh = self.case, self.tables[name], self.meshes[name]
+    def _body(self, key: str, table: BodyTable) -> BodyModel:
+        case, name, mesh = self.case, table.name, self.meshes[table.name]
         groups = [numbered(group, getattr(case, group), name) for group in ("supports", "loads", "springs")]
         rows: list[tuple[str, Any]] = [row for group in groups for row in group]
-        named = {key: row.edges_on(mesh, key) for key, row in rows if isinstance(row, EdgesTable)}
+        named = {at: row.edges_on(mesh, at) for at, row in rows if isinstance(row, EdgesTable)}
         mesh = replace(mesh, edge_sets={**mesh.edge_sets, **named})
-        supports, springs = ([row.support(row.where(key)) for key, row in groups[number]] for number in (0, 2))
+        supports, springs = ([row.support(row.where(at)) for at, row in groups[number]] for number in (0, 2))
         loads = [
-            row.load(row.where(key), self._area(mesh.points[named.get(key, mesh.boundary_edges[:0])]))
-            for key, row in groups[1]
+            row.load(row.where(at), self._area(mesh.points[named.get(at, mesh.boundary_edges[:0])]))
+            for at, row in groups[1]
         ]
-        number, element, material = case.bodies.index(table) + 1, table.element(mesh), table.material(case.hypothesis)
+        element, material = table.element(mesh), table.material(case.hypothesis)
         for cells in table.materials:
-            require_known(f"bodies[{number}].materials", cells, sorted(mesh.cell_sets), "cell sets")
+            require_known(f"{key}.materials", cells, sorted(mesh.cell_sets), "cell sets")
         part = None
         if any(name in (contact.secondary, contact.primary) for contact in case.contacts):
             held: dict[Where, Components] = {}
@@ -181,9 +189,9 @@ class _Builder:
         problem = Elasticity(
             Space(mesh, element) if part is None else part.body.space, material, case.thickness_mm, name=name
         )
-        for key, row in rows:
+        for at, row in rows:
             if isinstance(row, PointTable):
-                with located(f"{key}.point_mm: "):
+                with located(f"{at}.point_mm: "):
                     problem.node_at(row.point_mm)
         problem = replace(problem, loads=loads, supports=[*supports, *springs])
         return BodyModel(problem, part, problem.load_vector().sum(axis=0))
@@ -194,21 +202,23 @@ class _Builder:
         lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         return float((lengths * widths).sum()) * self.case.thickness_mm
 
-    def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
-        secondary, primary = (self._surface(table, role, key, bodies) for role in ROLES)
+    def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel], notices: list[str]) -> Contact:
+        secondary, primary = (self._surface(table, role, key, bodies, notices) for role in ROLES)
         with located(f"{key}: "):
             contact = Contact(secondary, primary, table.pairing.pairing)
             law = table.enforcement.law(contact.suggested_penalty)
             return replace(contact, enforcement=law, friction=table.friction)
 
-    def _surface(self, table: ContactTable, role: Role, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
+    def _surface(
+        self, table: ContactTable, role: Role, key: str, bodies: Mapping[str, BodyModel], notices: list[str]
+    ) -> Surface:
         name, edges, box, what = table.side(role)
         part = bodies[name].part
         assert part is not None
         with located(f"{key}.{what}: "):
             free, n_held = part.body.surface_edges(edges, box)
         if n_held and edges is not None:
-            self.notices.append(
+            notices.append(
                 f"{name}: {n_held} of the {n_held + len(free)} edges of its contact surface touch a support "
                 "and are left out of the contact."
             )
