@@ -1,7 +1,7 @@
 """A curve of lines and arcs through few exact points, or near rounded ones, as profiles are drawn.
 
 Between two points lie cells of constant curvature that meet tangentially. Of all such curves the one is taken whose
-curvature changes least: the sum of ``weight |jump|^0.8`` over all cells is minimal, by reweighted least squares
+curvature changes least: the sum of ``weight |jump|^0.9`` over all cells is minimal, by reweighted least squares
 (I. Daubechies, R. DeVore, M. Fornasier and C. S. Guentuerk, "Iteratively reweighted least squares minimization for
 sparse recovery", Communications on Pure and Applied Mathematics 63, 2010). An exponent of one or less leaves few jumps
 in place of waves: lines and arcs with three or more points stay what they are, and a joint lies where both sides meet.
@@ -25,8 +25,8 @@ Complex = NDArray[np.complex128]
 
 _CELL_MM = 0.5  # maximum length of a cell: a joint between two points is located to a fraction of it
 _MAX_CELLS = 32  # cells between two points
-_POWER = 0.6  # of the reweighting: 0.5 is the sum of all jumps, 1 their number
-_ROUNDS, _LENGTH_ROUNDS = 25, 5
+_POWER = 0.55  # of the reweighting: 0.5 is the sum of all jumps, 1 their number
+_ROUNDS, _LENGTH_ROUNDS = 25, 12
 _ROUND_OFF_PER_MM = 1e-5  # difference of two curvatures below which they are the same
 _FIRST_JUMP_PER_MM, _JUMP_DECREASE, _LAST_JUMP_PER_MM = 0.06, 0.55, 1e-7
 """Jump below which all jumps count alike: in the first round, its factor from round to round, in the last one."""
@@ -34,6 +34,10 @@ _JOINT_PER_MM = 5e-3  # jumps from here on are joints
 _ROUNDING_OF_CURVATURE = 4.5  # noise of the difference of two curvatures, in that of the points over spacing squared
 _MAX_TURN_RAD = 1.0  # of a cell: lengths of arcs are found for it
 _MIN_SIGMA_MM = 1e-10
+_COST_POWER = 0.25
+"""Cost of a jump is that of its size by the points to the power of minus this: with more, three points at the inflection
+between two arcs, which happen to lie on a line, count as one; with less, lines get waves."""
+_LINE_OF_THREE = 3.0  # bend of three points relative to a change from three to three: they agree by chance more often
 _CORNER_COST = 3.0  # of a corner of a radian, in the median cost of a jump of the curvature of 1 per mm
 _CORNER_RAD, _SAME_MM = 1e-4, 1e-9
 
@@ -185,7 +189,7 @@ def _costs(steps: Complex, interval: Ints, sigma: float) -> tuple[Floats, Floats
     """
     behind, ahead = steps[:-1], steps[1:]
     circles = 2.0 * (behind.conj() * ahead).imag / np.abs(behind * ahead * (behind + ahead))
-    bend = np.pad(np.abs(circles), 1, constant_values=np.inf)  # of three points, by the middle one
+    bend = np.pad(_LINE_OF_THREE * np.abs(circles), 1, constant_values=np.inf)  # of three points, by the middle one
     change = np.pad(np.abs(np.diff(circles)), 2, constant_values=np.inf)  # of four points, by the interval after it
     round_off = _ROUND_OFF_PER_MM + _ROUNDING_OF_CURVATURE * sigma / np.abs(steps) ** 2
     at_points = np.minimum.reduce([bend[1:-1], change[1:-2], change[2:-1]]) + round_off[1:]
@@ -193,4 +197,5 @@ def _costs(steps: Complex, interval: Ints, sigma: float) -> tuple[Floats, Floats
     inner = interval[:-1]
     jump = np.where(inner == interval[1:], between[inner], np.append(at_points, np.inf)[inner])
     corners = _CORNER_COST * np.sqrt(np.maximum(between[:-1], between[1:]) / at_points)
-    return jump**-0.5 / float(np.median(jump**-0.5)), corners
+    costs = jump**-_COST_POWER
+    return costs / float(np.median(costs)), corners
