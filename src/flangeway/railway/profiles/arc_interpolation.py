@@ -35,8 +35,8 @@ _ROUNDING_OF_CURVATURE = 4.5  # noise of the difference of two curvatures, in th
 _MAX_TURN_RAD = 1.0  # of a cell: lengths of arcs are found for it
 _MIN_SIGMA_MM = 1e-10
 _COST_POWER = 0.25
-"""Cost of a jump is its size by the points to the power of minus this: with more, three points at the inflection between
-two arcs, which happen to lie on a line, count as one; with less, lines get waves."""
+"""Cost of a jump is its size by the points to the power of minus this: with more, three points at the inflection of two
+arcs, which happen to lie on a line, count as one; with less, lines get waves."""
 _LINE_OF_THREE = 3.0  # bend of three points relative to a change from three to three: they agree by chance more often
 _CORNER_COST = 3.0  # of a corner of a radian, in the median cost of a jump of the curvature of 1 per mm
 _CORNER_RAD, _SAME_MM = 1e-4, 1e-9
