@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -95,6 +96,24 @@ def test_files_are_found_beside_the_case_file(tmp_path, monkeypatch):
     case = load_case("cases/case.toml")
     check_case(case, path)
     assert case.run().summary["area_mm2"] == pytest.approx(12.0)
+
+
+def test_files_without_an_ending_replace_neither_kinds_nor_bundled_profiles(tmp_path):
+    """A word names a kind, rail or wheel though the folder has a file of that name; with a folder it names the file."""
+    for name in ("whole", "rim", "60E2", "S1002"):
+        (tmp_path / name).write_text("no profile", encoding="utf-8")
+    file = tmp_path / "case.toml"
+    text = 'case = "wheelset"\ntrack.rail = "60E2"\nwheelset.wheel = "S1002"\nwheelset.section = "whole"\n'
+    file.write_text(text, encoding="utf-8")
+    assert read_case(file) == load_case("wheelset", rail="60E2", section="whole")
+    file.write_text(text.replace('"60E2"', '"./60E2"'), encoding="utf-8")
+    with pytest.raises(InputError, match="60E2"):
+        check_case(read_case(file), str(file))
+
+
+def test_lengths_of_the_axle_are_written_as_a_reader_would(tmp_path):
+    """No number of a new file of a wheelset has more than eight digits behind the point."""
+    assert not re.findall(r"\d\.\d{9,}", write_template(CASES["wheelset"]))
 
 
 def test_settings_go_before_the_file(tmp_path):

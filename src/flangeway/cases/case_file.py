@@ -40,7 +40,7 @@ from flangeway.records import (
     tables_in,
     with_settings,
 )
-from flangeway.system.file_content import TomlFile, TomlKind, is_file
+from flangeway.system.file_content import TomlFile, TomlKind, is_file, names_file
 from flangeway.system.output_folder import versions
 from flangeway.types import Key
 from flangeway.units import Units, UsUnit, us_key
@@ -278,7 +278,7 @@ def resolved(file: TomlFile, values: Mapping[str, Any], folder: Path, above: Key
         last = next(str(item) for item in reversed(key) if not isinstance(item, int))
         if last.rpartition(".")[2] not in FILE_KEYS or not isinstance(name, str):
             return name
-        if is_file(folder / name):
+        if names_file(name, folder):
             return str(folder / name)
         if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
             parts = [part for item in key for part in (item.split(".") if isinstance(item, str) else (item,))]
@@ -448,13 +448,13 @@ def _toml_lines(table: Mapping[str, Any], above: tuple[str, ...]) -> list[str]:
             for item in value:
                 inner += ["", f"[[{'.'.join(path)}]]", *_toml_lines(item, path)]
         elif value is not None:
-            seen = os.path.relpath(value) if above and key in FILE_KEYS and _names_file(value) else value
+            seen = (
+                os.path.relpath(value)
+                if above and key in FILE_KEYS and isinstance(value, str) and names_file(value)
+                else value
+            )
             lines.append(f"{path[-1]} = {toml_value(seen)}")
     return [*lines, *inner]
-
-
-def _names_file(value: Any) -> bool:
-    return isinstance(value, str) and is_file(Path(value))
 
 
 def _toml_key(key: str) -> str:

@@ -39,6 +39,12 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def names_file(name: str, folder: Path = Path()) -> bool:
+    """Whether a text names a file that is there: with an ending or a folder; a single word means something bundled."""
+    path = Path(name)
+    return bool(path.suffix or path.name != name) and is_file(folder / path)
+
+
 def path_of(owner: str, path: object) -> Path:
     """Return the path of a file that a user of Python names; an `InputError` if it is neither a text nor a path."""
     check_kind(owner, "path", path, str | PathLike, "the name of a file", "give a text or a path")

@@ -3,12 +3,12 @@
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.named import as_paths
 from flangeway.railway.profiles.profile_file import FIELD_WORN, MIRRORED, side_notices
-from flangeway.railway.track.placements import SIDES, Track, usual_gauge
+from flangeway.railway.track.placements import SIDES, RigidTrack, usual_gauge
 from flangeway.railway.track.wheelset_loads import FromSpeed, superelevation_angle
 from flangeway.railway.track.wheelset_problem import WheelsetOnTrack
 
 
-def gauge_note(track: Track) -> str:
+def gauge_note(track: RigidTrack) -> str:
     """Return where the gauge is measured, in a sentence."""
     heads = "unworn rails" if track.gauge_at == "unworn" else "rails"
     left, right = (track.gauge_point(side).depth_mm for side in SIDES)
@@ -38,7 +38,7 @@ def profile_notes(wheelset: WheelsetOnTrack) -> list[str]:
     ]
 
 
-def side_warnings(track: Track) -> list[str]:
+def side_warnings(track: RigidTrack) -> list[str]:
     """Return a warning for each rail that was mirrored, or is worn more at the side that no flange reaches."""
     paths = {"track.rail" if track.side(side).rail is None else f"track.{side}.rail": side for side in SIDES[::-1]}
     warnings = []

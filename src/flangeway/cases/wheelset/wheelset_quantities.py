@@ -27,7 +27,7 @@ from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.post.patch_stresses import StressField, StressMaximum
 from flangeway.problems import LinearBody
 from flangeway.quantities import Quantities, Quantity, column_names, of_part
-from flangeway.railway.track.placements import SIDES, Side, Track
+from flangeway.railway.track.placements import SIDES, RigidTrack, Side
 from flangeway.railway.track.wheelset_loads import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import ROLES, Role
 from flangeway.railway.wheelset.equilibrium import RelativeResiduals
@@ -136,7 +136,7 @@ POSITION: Quantities[AnyResult] = (
     ),
     Quantity("reference", "", lambda _: REFERENCE),
 )
-TRACK: Quantities[Track] = (
+TRACK: Quantities[RigidTrack] = (
     Quantity("gauge", "track gauge", lambda track: track.gauge_mm, "mm", ".2f"),
     Quantity(
         "measured_gauge",

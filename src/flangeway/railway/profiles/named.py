@@ -29,7 +29,7 @@ from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal
 from flangeway.railway.profiles.orientation import ReadOptions
 from flangeway.railway.profiles.profile_file import READABLE, MeasuredProfile, read_profile
 from flangeway.records import LengthUnit, Record
-from flangeway.system.file_content import is_file
+from flangeway.system.file_content import names_file
 
 USUAL_BODIES: dict[Kind, tuple[str, ...]] = {"rail": ("136RE", "60E1"), "wheel": WHEELS}
 """Bodies that a file gets by itself; others, whose heads are much alike, are taken where they are named."""
@@ -133,8 +133,7 @@ def _bundled(name: str, kind: Kind, path: str) -> RailProfile | WheelProfile:
 
 def means_file(name: str) -> bool:
     """Whether a name is that of a file, by its ending or because there is one."""
-    path = Path(name)
-    return path.suffix.lower() in READABLE or is_file(path)
+    return Path(name).suffix.lower() in READABLE or names_file(name)
 
 
 _joined = lru_cache(maxsize=8)(joined)  # the nearest body is joined to see whether it fits, so it is joined already

@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_side import RigidSide, Touches
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, Track, WheelPair, WheelsetPosition, refuse_misfit
+from flangeway.railway.track.placements import (
+    SIDE_SIGN,
+    SIDES,
+    RigidTrack,
+    RigidWheelPair,
+    Side,
+    WheelsetPosition,
+    refuse_misfit,
+)
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Points of contact of a rigid wheelset over its positions, and where they jump.
@@ -209,7 +217,7 @@ class RigidGeometry:
     _paths: dict[float, TouchingPositions] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
-    def of(cls, track: Track, wheelset: WheelPair, yaw_rad: float = 0.0) -> "RigidGeometry":
+    def of(cls, track: RigidTrack, wheelset: RigidWheelPair, yaw_rad: float = 0.0) -> "RigidGeometry":
         """Return the rigid geometry of a wheelset on a track; see `refuse_misfit` for what is refused.
 
         Parameters

@@ -12,7 +12,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Placement
 from flangeway.geometry.arrays import angles_of, norms
 from flangeway.railway.profiles.smoothing import MAX_CLIPPED, STEEPEST_RAD, extent, graphs_of
-from flangeway.railway.track.placements import Side, Track, WheelPair, mirrored
+from flangeway.railway.track.placements import RigidTrack, RigidWheelPair, Side, mirrored
 from flangeway.types import Bools, Floats, Ints, floats
 
 # --- Profiles as rigid curves of lines and arcs, evaluated for thousands of points at once.
@@ -359,7 +359,7 @@ class RigidSide:
     yaw_rad: float = 0.0
 
     @classmethod
-    def of(cls, track: Track, wheelset: WheelPair, side: Side, yaw_rad: float = 0.0) -> "RigidSide":
+    def of(cls, track: RigidTrack, wheelset: RigidWheelPair, side: Side, yaw_rad: float = 0.0) -> "RigidSide":
         """Return a side of a wheelset on a track, on the track's side of the same name."""
         rail_frame, reference = track.placement(side), wheelset.placement(side)
         if side == "left":

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field
@@ -151,27 +151,32 @@ def _profiles_of(kind: Kind, table: str, common: Any, own: Mapping[Side, Any]) -
     return {"left": profile_of(inputs["left"], kind, paths["left"], inputs["right"]), "right": right}
 
 
-class RailSide(Record):
-    """What the rail of one side has of its own."""
+class RigidRailSide(Record):
+    """What a rigid rail of one side has of its own."""
 
     rail: RailInput | None = None
     """rail (default: that of the track)"""
     inclination: float | None = Field(default=None, ge=-0.2, le=0.2)
     """inclination (default: that of the track)"""
+
+
+class RailSide(RigidRailSide):
+    """What the rail of one side has of its own."""
+
     support: Support | None = None
     """what it stands on (default: that of the track)"""
     friction: FrictionCoefficient | None = None
     """coefficient of friction, with rolling.friction a number (default: that)"""
 
 
-class Track(Record):
-    """Two rails."""
+class RigidTrack(Record):
+    """Two rigid rails."""
 
     rail: RailInput = "60E1"
     """rail: 60E1, 60E2, 54E1, 49E1, 136RE (other crowns: 136RE-8, 136RE-14), S-519-A, or a file"""
-    left: RailSide = RailSide()
+    left: RigidRailSide = RigidRailSide()
     """what the left side has of its own"""
-    right: RailSide = RailSide()
+    right: RigidRailSide = RigidRailSide()
     """what the right side has of its own"""
     gauge_mm: Positive = 1435.0
     """track gauge, between the rails' heads"""
@@ -184,8 +189,6 @@ class Track(Record):
     """rail inclination, a slope; 1:40 is 0.025"""
     superelevation_base_mm: Positive | None = None
     """width over which superelevation is measured (default: the gauge and 65 mm, the running circles)"""
-    support: Support = Sleepers()
-    """what the rails stand on"""
 
     @property
     def base_mm(self) -> float:
@@ -199,16 +202,14 @@ class Track(Record):
         own = {side: self.side(side).rail for side in SIDES}
         return _profiles_of("rail", "track", self.rail, own)
 
-    def side(self, side: Side) -> RailSide:
+    def side(self, side: Side) -> RigidRailSide:
         """What a side has of its own."""
         return self.left if side == "left" else self.right
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether the left rail, with its support and friction, mirrors the right one."""
-        one, other = (self.side(side) for side in SIDES)
-        alike = self.rail_of("left") is self.rail_of("right") and one.friction == other.friction
-        return alike and self.support_of("left") == self.support_of("right") and self.has_one_inclination
+        """Whether the left rail mirrors the right one."""
+        return self.rail_of("left") is self.rail_of("right") and self.has_one_inclination
 
     @property
     def has_one_inclination(self) -> bool:
@@ -223,10 +224,6 @@ class Track(Record):
         """Inclination of the rail of a side towards the middle, a slope."""
         own = self.side(side).inclination
         return self.inclination if own is None else own
-
-    def support_of(self, side: Side) -> Support:
-        """What the rail of a side stands on."""
-        return self.side(side).support or self.support
 
     def _angle(self, side: Side) -> float:
         return math.atan(self.inclination_of(side))
@@ -278,6 +275,31 @@ class Track(Record):
         return width
 
 
+class Track(RigidTrack):
+    """Two rails on their supports."""
+
+    left: RailSide = RailSide()
+    """what the left side has of its own"""
+    right: RailSide = RailSide()
+    """what the right side has of its own"""
+    support: Support = Sleepers()
+    """what the rails stand on"""
+
+    def side(self, side: Side) -> RailSide:
+        """What a side has of its own."""
+        return self.left if side == "left" else self.right
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the left rail, with its support and friction, mirrors the right one."""
+        alike = super().is_symmetric and self.support_of("left") == self.support_of("right")
+        return alike and self.left.friction == self.right.friction
+
+    def support_of(self, side: Side) -> Support:
+        """What the rail of a side stands on."""
+        return self.side(side).support or self.support
+
+
 class WheelSide(Record):
     """What the wheel of one side has of its own."""
 
@@ -287,8 +309,8 @@ class WheelSide(Record):
     """radius (default: radius_mm of the wheelset, at a flange's tip that of the right wheel)"""
 
 
-class WheelPair(Record):
-    """Two wheels on an axle."""
+class RigidWheelPair(Record):
+    """Two rigid wheels on a rigid axle."""
 
     wheel: WheelInput = "S1002"
     """wheel: S1002, AAR-1B (an approximation), heavy-haul, R-519-A, -B, -C, -H, -I, or a file"""
@@ -303,10 +325,6 @@ class WheelPair(Record):
     """rolling radius, at the position radius_at"""
     radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
     """where radii are measured"""
-    section: WheelSection = RimSection()
-    """what of the wheels is elastic"""
-    axle: Axle = ElasticAxle()
-    """how the axle bends"""
 
     @cached_property
     def wheels(self) -> dict[Side, WheelProfile]:
@@ -346,12 +364,12 @@ class WheelPair(Record):
 
     @property
     def distance_mm(self) -> float:
-        """Distance of the wheels' inner faces of a wheelset that has one; see `WheelPair.on`."""
+        """Distance of the wheels' inner faces of a wheelset that has one; see `RigidWheelPair.on`."""
         if self.back_to_back_mm is None:
             raise InputError("wheels without back_to_back_mm", "their distance", "give it, or take those of a wheelset")
         return self.back_to_back_mm
 
-    def on(self, track: Track) -> "WheelPair":
+    def on(self, track: RigidTrack) -> Self:
         """Return the wheels with their distance, by the gauge of their track if none is given."""
         if self.back_to_back_mm is not None:
             return self
@@ -363,6 +381,15 @@ class WheelPair(Record):
         lateral = self.distance_mm / 2.0 + self.wheel_of(side).flange_back_mm
         placement = Placement(0.0, (lateral, self.tape_radius_mm - self.tape_radius_of(side)))
         return placement if side == "right" else mirrored(placement)
+
+
+class WheelPair(RigidWheelPair):
+    """Two wheels on an axle."""
+
+    section: WheelSection = RimSection()
+    """what of the wheels is elastic"""
+    axle: Axle = ElasticAxle()
+    """how the axle bends"""
 
 
 @dataclass(frozen=True)
@@ -402,11 +429,11 @@ class WheelsetPosition:
         x, y = self.lateral_mm, self.vertical_mm
         return WheelsetPosition(cosine * x - sine * y, sine * x + cosine * y, self.roll_rad)
 
-    def axle(self, wheelset: WheelPair) -> tuple[float, float]:
+    def axle(self, wheelset: RigidWheelPair) -> tuple[float, float]:
         """Point in the middle of the axle."""
         return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
 
-    def placement(self, wheelset: WheelPair, side: Side) -> Placement:
+    def placement(self, wheelset: RigidWheelPair, side: Side) -> Placement:
         """Placement of the wheel of a side."""
         turn = Placement.about((0.0, wheelset.tape_radius_mm), self.roll_rad)
         shift = Placement(0.0, (self.lateral_mm, self.vertical_mm))
@@ -424,7 +451,7 @@ FLANGE_MM = 10.0
 
 
 @lru_cache(maxsize=16)
-def refuse_misfit(track: Track, wheelset: WheelPair) -> None:
+def refuse_misfit(track: RigidTrack, wheelset: RigidWheelPair) -> None:
     """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
 
     An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.

@@ -119,7 +119,9 @@ class ElasticAxle(Record):
     """an axle that bends between its journals"""
     journals_mm: Positive = 79.0 * INCH
     """distance between the middles of the journals; less than that of the wheels for inside journals"""
-    diameters_mm: Annotated[tuple[Pair, ...], Strict(False)] = tuple((INCH * x, INCH * d) for x, d in CLASS_F)
+    diameters_mm: Annotated[tuple[Pair, ...], Strict(False)] = tuple(
+        (round(INCH * x, 6), round(INCH * d, 6)) for x, d in CLASS_F
+    )
     """distances from the middle, from 0 on and not falling, and diameters there; linear between them (default: AAR
     class F)"""
     young_MPa: Positive = 210e3

@@ -11,7 +11,15 @@ from pydantic import Field, model_validator
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.materials import Elastic
-from flangeway.railway.track.placements import SIDES, Side, Track, WheelPair, refuse_misfit
+from flangeway.railway.track.placements import (
+    SIDES,
+    RigidTrack,
+    RigidWheelPair,
+    Side,
+    Track,
+    WheelPair,
+    refuse_misfit,
+)
 from flangeway.railway.track.rolling import RollingMotion
 from flangeway.railway.track.wheelset_loads import Load, Position, WheelsetLoad
 from flangeway.records import ElementOrder, Fraction, PoissonRatio, Positive, Record, SolidModulus, refused_by_check
@@ -170,13 +178,13 @@ NOT_IN_A_PLANE = (
 class WheelsetOnTrack(Record):
     """Profiles, measures, load and material of a wheelset on two rails."""
 
-    track: Track = Track()
+    track: RigidTrack = RigidTrack()
     """the two rails"""
-    wheelset: WheelPair = WheelPair()
+    wheelset: RigidWheelPair = RigidWheelPair()
     """the two wheels and their axle"""
     load: Load = Load()
     """weight, lateral force or curve"""
-    material: YieldingSteel = YieldingSteel()
+    material: Steel = Steel()
     """steel of wheels and rails"""
 
     @cached_property
@@ -185,7 +193,7 @@ class WheelsetOnTrack(Record):
         return self.load.forces(self.track.base_mm)
 
     @cached_property
-    def wheels(self) -> WheelPair:
+    def wheels(self) -> RigidWheelPair:
         """The wheels with their distance; an `InputError` if it follows from no gauge, or they do not fit the rails."""
         wheels = self.wheelset.on(self.track)
         refuse_misfit(self.track, wheels)
@@ -200,6 +208,12 @@ class WheelsetOnTrack(Record):
 class WheelsetProblem(WheelsetOnTrack):
     """A wheelset on a track under a load: all that its solution depends on."""
 
+    track: Track = Track()
+    """the two rails"""
+    wheelset: WheelPair = WheelPair()
+    """the two wheels and their axle"""
+    material: YieldingSteel = YieldingSteel()
+    """steel of wheels and rails"""
     position: Position = Position()
     """components of the position that are prescribed"""
     rolling: RollingMotion | None = None

@@ -64,7 +64,7 @@ def running_surfaces(
         rail, bodies = problem.track.rail_of(side), []
         wheel, support = problem.wheels.wheel_of(side), problem.track.support_of(side)
         for profile, radius, held, material in (
-            (wheel, problem.wheels.tape_radius_of(side), problem.wheels.section, problem.material_of("wheel")),
+            (wheel, problem.wheels.tape_radius_of(side), problem.wheelset.section, problem.material_of("wheel")),
             (rail, 0.0, support, problem.material_of("rail")),
         ):
             key = profile, radius, material, held, problem.mesh

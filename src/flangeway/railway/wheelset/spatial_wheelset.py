@@ -10,7 +10,7 @@ import numpy as np
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.railway.rigid.rigid_equilibrium import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import CLIMBED_MM, RigidGeometry
-from flangeway.railway.track.placements import SIDES, Side, Track, WheelPair, WheelsetPosition
+from flangeway.railway.track.placements import SIDES, RigidTrack, RigidWheelPair, Side, WheelsetPosition
 from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
@@ -322,7 +322,9 @@ class SpatialWheelset:
     def compliance(self) -> Floats:
         """Compliance of the axle at its seats, see `ElasticAxle.compliance`, (4, 4)."""
         wheels = self.problem.wheels
-        return wheels.axle.compliance(np.array([wheels.placement(side).translation[0] for side in SIDES]))
+        return self.problem.wheelset.axle.compliance(
+            np.array([wheels.placement(side).translation[0] for side in SIDES])
+        )
 
     @cached_property
     def _bending_by_load(self) -> Floats:
@@ -363,7 +365,7 @@ class SpatialWheelset:
 
 
 @lru_cache(maxsize=MAX_RIGID)
-def _rigid_geometry(track: Track, wheels: WheelPair, yaw_rad: float, _profiles: object) -> RigidGeometry:
+def _rigid_geometry(track: RigidTrack, wheels: RigidWheelPair, yaw_rad: float, _profiles: object) -> RigidGeometry:
     return RigidGeometry.of(track, wheels, yaw_rad)
 
 

@@ -63,7 +63,7 @@ def whole_sections(result: SpatialResult, role: Role) -> dict[Side, WholeSection
     for first in touching:
         if first in sections:
             continue
-        held = problem.track.support_of(first) if role == "rail" else problem.wheels.section
+        held = problem.track.support_of(first) if role == "rail" else problem.wheelset.section
         whole = running_cells(problem, profiles[first], held, result.cache)
         supports = {side: problem.track.support_of(side) for side in touching}
         alike = [side for side in touching if (profiles[side], supports[side]) == (profiles[first], supports[first])]
