@@ -8,9 +8,9 @@ import time
 from collections.abc import Iterator
 
 from benchmarks.measurement import ITSELF, NO_PEER, Measurement, timed
-from flangeway.cases.bodies.bodies_model import BodiesModel, build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import ContactSolution, press
+from flangeway.contact.bodies_model import BodiesModel, build_bodies
 from flangeway.geometry import Placement
 from flangeway.solve import StepSettings
 from flangeway_studies.hertz import CODES, LEVELS, REFERENCE_FORCE, published_case

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_shape import BodyTable, body_shape
 from flangeway.contact import (
     Contact,
     ContactState,
@@ -27,6 +26,7 @@ from flangeway.geometry import Line, Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, triangulate
 from flangeway.problems import Body, Part
+from flangeway.problems.body_records import BodyTable, body_shape
 from flangeway.solve import CondensedBodies, Handle, NewtonSettings
 
 Floats = NDArray[np.float64]

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.spatial import Voronoi
 
 from benchmarks.measurement import NO_PEER, Measurement
-from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import (
     MIDDLE,
     NEARLY_INCOMPRESSIBLE,
@@ -26,6 +25,7 @@ from flangeway.cases.bodies.presets import (
     solve_cook,
 )
 from flangeway.contact import press
+from flangeway.contact.bodies_model import build_bodies
 from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToNode, Surface, press
+from flangeway.contact.bodies_model import build_bodies
 from flangeway.mesh import insert_nodes, match_boundaries
 from flangeway.problems import Body, Part
 from flangeway_studies.contact_patch import LAWS, ROTATION_DEG, patch_test

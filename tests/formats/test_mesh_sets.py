@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from flangeway.cases import find_case
-from flangeway.cases.bodies.bodies_shape import body_shape
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import circle
 from flangeway.mesh import PolyMesh, curved, dual, triangulate
 from flangeway.mesh.structured import rectangle_grid
+from flangeway.problems.body_records import body_shape
 
 SQUARES = [[0, 1, 4, 3], [1, 2, 5, 4]]
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]])

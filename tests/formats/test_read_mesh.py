@@ -11,12 +11,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases.bodies.bodies_shape import BodyTable, body_shape
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Placement
 from flangeway.mesh import PolyMesh, check, conforming, rectangle_grid, refined
+from flangeway.problems.body_records import BodyTable, body_shape
 from flangeway.space import Space
 
 # two squares, the right one of two triangles; the left one is clockwise

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
+from flangeway.contact.bodies_model import build_bodies
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Arc

@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_shape import BodyTable, FineTable, Names, body_shape, listed
 from flangeway.cases.case import Case, PresetCase, RunnableCase, example_of
 from flangeway.cases.patch_quantities import (
     ANGLE,
@@ -30,6 +29,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
 from flangeway.problems import Elasticity, Foundation, Harmonic
+from flangeway.problems.body_records import BodyTable, FineTable, Names, body_shape, listed
 from flangeway.quantities import Quantities, Quantity, values
 from flangeway.records import ElementOrder, Pair, PoissonRatio, Positive
 from flangeway.solve import Status

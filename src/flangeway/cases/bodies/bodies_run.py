@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
-from flangeway.cases.bodies.bodies_shape import BodiesInputs, ContactTable
 from flangeway.cases.case import RunnableCase, example_of
 from flangeway.cases.summary import RunResult
 from flangeway.contact import Contact, ContactSolution, LoadStep, press
+from flangeway.contact.bodies_model import BodiesModel, BodyModel, build_bodies
+from flangeway.contact.contact_records import BodiesProblem, ContactTable
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
@@ -405,7 +405,7 @@ MIN_STEP = 1.0 / 1024.0  # fraction of all loads and motions below which a step 
 ROUND_OFF = 1e-9  # overlap relative to the size of a body that is no overlap
 
 
-class TwoBodiesCase(BodiesInputs, BodiesCase):
+class TwoBodiesCase(BodiesProblem, BodiesCase):
     """Bodies, one, two or more, in the plane; all positions are in common axes, x to the right and y up."""
 
     name = "two-bodies"

@@ -20,15 +20,8 @@ from flangeway.cases.bodies.bodies_run import (
     BodyResult,
     TwoBodiesCase,
 )
-from flangeway.cases.bodies.bodies_shape import (
-    ContactTable,
-    Law,
-    MethodName,
-    MultiplierLaw,
-    Pairing,
-    Stabilisation,
-)
 from flangeway.cases.case import PresetCase
+from flangeway.contact.contact_records import ContactTable, Law, MultiplierLaw, Pairing
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -38,6 +31,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
 from flangeway.post import PressurePatch, displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
+from flangeway.problems.body_records import MethodName, Stabilisation
 from flangeway.quantities import Quantities, Quantity, of_part
 from flangeway.records import ElementOrder, ElementSize, Fraction, PoissonRatio, Positive
 from flangeway.solve import ElasticitySolution, solve_elasticity

@@ -1,4 +1,4 @@
-"""From the tables of a case file to bodies, loads, supports and contacts."""
+"""From records to bodies, loads, supports and contacts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,27 +6,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from flangeway.cases.bodies.bodies_shape import (
-    ROLES,
-    BodiesInputs,
-    BodyShape,
-    BodyTable,
-    ContactTable,
-    EdgesTable,
-    MatchedPairing,
-    PointTable,
-    Role,
-    Shift,
-    Where,
-    body_shape,
-)
-from flangeway.contact import Contact, ContactSystem, Surface
+from flangeway.contact.contact_records import ROLES, BodiesProblem, ContactTable, MatchedPairing, Role, Shift
+from flangeway.contact.surface import Surface
+from flangeway.contact.system import Contact, ContactSystem
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
 from flangeway.problems import Body, Elasticity, Part
 from flangeway.problems.body import Components
+from flangeway.problems.body_records import BodyShape, BodyTable, EdgesTable, PointTable, Where, body_shape
 from flangeway.records import require_known
 from flangeway.solve import Handle
 from flangeway.solve.body_response import BodyLoad
@@ -78,7 +67,7 @@ class BodiesModel:
         return {body.part: body.loads for body in self.bodies.values() if body.part is not None and body.loads}
 
 
-def build_bodies(case: BodiesInputs) -> BodiesModel:
+def build_bodies(case: BodiesProblem) -> BodiesModel:
     """Mesh the bodies and find supports, loads and contact surfaces on them.
 
     It is an `InputError` if a name is unknown, a position has no edges, or keys contradict each other; the message
@@ -94,7 +83,7 @@ def build_bodies(case: BodiesInputs) -> BodiesModel:
     return _Builder(case, shapes, meshes).model(notices)
 
 
-def _refuse_names(case: BodiesInputs) -> None:
+def _refuse_names(case: BodiesProblem) -> None:
     """Refuse two bodies of one name, and tables for bodies that are not there."""
     names = [body.name for body in case.bodies]
     for number, (key, body) in enumerate(numbered("bodies", case.bodies)):
@@ -106,7 +95,7 @@ def _refuse_names(case: BodiesInputs) -> None:
                 require_known(f"{key}.{role}", getattr(table, role), names, "the bodies")
 
 
-def _matched(case: BodiesInputs, meshes: dict[str, PolyMesh]) -> dict[str, PolyMesh]:
+def _matched(case: BodiesProblem, meshes: dict[str, PolyMesh]) -> dict[str, PolyMesh]:
     """Meshes of bodies that have each other's nodes where their contact is node-to-node.
 
     Triangles with more nodes become virtual elements.
@@ -140,7 +129,7 @@ def _matched(case: BodiesInputs, meshes: dict[str, PolyMesh]) -> dict[str, PolyM
 class _Builder:
     """A case with its bodies, meshed."""
 
-    case: BodiesInputs
+    case: BodiesProblem
     shapes: Mapping[str, BodyShape]
     meshes: Mapping[str, PolyMesh]
 
