@@ -257,25 +257,26 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     cells_across: int = Field(default=30, ge=4, le=120)
     """number of cells across"""
 
+    exclusive = (
+        ("radius_along_mm", "semi_axis_along_mm", "pressure_file"),
+        ("radius_across_mm", "semi_axis_across_mm", "pressure_file"),
+        *(("force_kN", "pressure_file"), ("cells_along", "pressure_file"), ("cells_across", "pressure_file")),
+        ("longitudinal_creepage", "shift_ahead_mm", "longitudinal_force_kN"),
+        ("lateral_creepage", "shift_right_mm", "lateral_force_kN"),
+    )
+    needs = (("semi_axis_along_mm", "semi_axis_across_mm"), ("semi_axis_across_mm", "semi_axis_along_mm"))
+
     def check(self) -> None:
         """See `RunnableCase.check`."""
-        one, other = self.semi_axis_along_mm, self.semi_axis_across_mm
-        if (one is None) != (other is None):
-            raise InputError("one of semi_axis_along_mm and semi_axis_across_mm", "both or none", "give both")
-        radii = ("radius_along_mm", "radius_across_mm")
-        given = "semi_axis_along_mm" if one is not None else None
         if self.pressure_file is not None:
-            given, shape = "pressure_file", ("semi_axis_along_mm", "semi_axis_across_mm", "cells_along", "cells_across")
-            self.refuse_without_effect(["force_kN", *shape], given, "none")
             read_pressures(Path(self.pressure_file))
-        if given is not None:
-            self.refuse_without_effect(radii, given, "none")
-            if self._materials[0] != self._materials[1]:
-                raise InputError(
-                    f"upper_young_MPa or upper_poisson with {given}",
-                    "one material under given pressures: between different ones friction changes the pressures",
-                    "give radius_along_mm and radius_across_mm",
-                )
+        prescribed = "pressure_file" if self.pressure_file is not None else "semi_axis_along_mm"
+        if getattr(self, prescribed) is not None and self._materials[0] != self._materials[1]:
+            raise InputError(
+                f"upper_young_MPa or upper_poisson with {prescribed}",
+                "one material under prescribed pressures: between different ones friction changes the pressures",
+                "give radius_along_mm and radius_across_mm",
+            )
         if self.rolls:
             self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
         else:
@@ -288,9 +289,6 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
             self.refuse_without_effect(FORCE_KEYS, "theory", "exact")
         if not self.friction:
             self.refuse_without_effect([*FORCE_KEYS, "falling", "slope"], "friction", "a coefficient above 0")
-        for force, *keys in zip(FORCE_KEYS, CREEPAGE_KEYS, SHIFTS, strict=False):
-            if getattr(self, force) is not None:
-                self.refuse_without_effect(keys, force, "none")
         _ = self._friction
 
     def run(self, progress: Progress = lambda _: None) -> RollingPatchRun:
