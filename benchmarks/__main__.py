@@ -11,6 +11,7 @@ from benchmarks import (
     cache,
     damage,
     elasticity,
+    force_noise,
     forms,
     friction,
     growth,
@@ -55,6 +56,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "wheelset3d": wheelset3d.measurements,
     "standing": standing.measurements,
     "sweep": sweep.measurements,
+    "force-noise": force_noise.measurements,
     "damage": damage.measurements,
     "symmetric": symmetric.measurements,
 }
@@ -62,7 +64,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
 """What each measures: the first words of its module."""
 
-CAMPAIGNS = {"polygons", "pushed", "standing", "startup", "sweep", "symmetric"}
+CAMPAIGNS = {"force-noise", "polygons", "pushed", "standing", "startup", "sweep", "symmetric"}
 """Printed, not recorded: many cases that count what converges, most for half an hour or more, and whole commands."""
 
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {

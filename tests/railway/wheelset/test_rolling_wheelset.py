@@ -17,6 +17,7 @@ from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, pat
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.railway.wheelset.side_newton import MOTIONS
 from flangeway.railway.wheelset.spatial_result import solve_position
+from flangeway.railway.wheelset.spatial_wheelset import RollingPlace
 from tests.railway.wheelset.conftest import coarse_case
 
 ROLLS = {"rolling.speed_km_h": 72.0, "friction": 0.3, "theory": "fastsim"}
@@ -111,6 +112,18 @@ def test_creepages_do_not_depend_on_the_speed(wheelset):
     assert resultants(slow) == pytest.approx(resultants(fast), rel=1e-4, abs=10.0)
     rates = [each.equilibrium.state.rolled.rate_rad_s for each in (slow, fast)]
     assert rates[1] == pytest.approx(3.0 * rates[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("theory", ["fastsim", pytest.param("exact", marks=pytest.mark.ci)])
+def test_the_uncertainty_of_the_position_holds_another_start(wheelset, theory):
+    """A search from 0.5 mm beside ends within 0.02 mm or the uncertainty; a prescribed position has none."""
+    found = solved(wheelset, **curve(800.0), **IN_CURVE | {"theory": theory})
+    uncertainty, place = found.lateral_uncertainty_mm, RollingPlace.of(found.equilibrium)
+    assert 1e-6 < uncertainty < 0.1
+    other = found.wheelset.solve(near=place._replace(lateral_mm=place.lateral_mm + 0.5))
+    assert other.status.converged
+    assert abs(other.position.lateral_mm - place.lateral_mm) < max(0.02, uncertainty)
+    assert solved(wheelset, lateral_mm=2.0, **ROLLS).lateral_uncertainty_mm is None
 
 
 def test_little_friction_is_nearly_none(wheelset):

@@ -115,6 +115,11 @@ class WheelResult:
 
 # Position, load and residuals
 
+
+MAX_UNCERTAINTY_MM = 0.02
+"""Uncertainty of the lateral position above which it has a remark."""
+ACCURACY_OF_CELLS = "friction balances here within the accuracy of the cells"
+
 LATERAL: Quantity[AnyResult] = Quantity(
     "lateral", "lateral position of the axle", lambda result: result.equilibrium.position.lateral_mm, "mm", "z.3f"
 )
@@ -443,7 +448,22 @@ def _rolled(result: SpatialResult) -> RolledWheelset | None:
     return result.equilibrium.state.rolled
 
 
+def _lateral_remark(result: SpatialResult) -> str | None:
+    uncertainty = result.lateral_uncertainty_mm
+    return ACCURACY_OF_CELLS if uncertainty is not None and uncertainty > MAX_UNCERTAINTY_MM else None
+
+
+LATERAL_UNCERTAINTY: Quantity[SpatialResult] = Quantity(
+    "lateral_uncertainty",
+    "uncertainty of the lateral position",
+    lambda result: result.lateral_uncertainty_mm,
+    "mm",
+    ".3f",
+    meaning="change by cells shifted by half of their size; none where the lateral position is prescribed",
+    remark=_lateral_remark,
+)
 ROLLING: Quantities[SpatialResult] = (
+    LATERAL_UNCERTAINTY,
     *of_part(
         _rolled,
         Quantity("rate", "rotation", lambda rolled: rolled.rate_rad_s, "rad/s", ".4f"),

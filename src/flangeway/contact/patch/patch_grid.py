@@ -294,6 +294,12 @@ class PatchGrid:
         """Both ends of each cell across, shape (n_cells, 2)."""
         return pairs_of(self.bounds)
 
+    @property
+    def staggered(self) -> "PatchGrid":
+        """Cells between the middles of these ones, along both axes; across, half cells at both ends."""
+        bounds = np.concatenate((self.bounds[:1], self.stations, self.bounds[-1:]))
+        return PatchGrid(bounds, self.strip, self.n_strips + 1, self.middle)
+
     def covers(self, other: "PatchGrid") -> bool:
         """Whether another grid of the same cells and strips reaches nowhere farther."""
         near = self.strip / 2.0 - np.array([self.along[0] - other.along[0], other.along[-1] - self.along[-1]])

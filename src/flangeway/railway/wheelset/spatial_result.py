@@ -90,6 +90,15 @@ class SpatialResult:
         return self.wheelset.start.motion.vertical_mm - self.equilibrium.position.vertical_mm
 
     @cached_property
+    def lateral_uncertainty_mm(self) -> float | None:
+        """Uncertainty of a lateral position that is sought with friction, by the size of the cells; None otherwise.
+
+        See `flangeway.railway.wheelset.spatial_wheelset.SpatialWheelset.lateral_uncertainty`.
+        """
+        is_sought = self.problem.position.lateral_mm is None and self.equilibrium.state.rolled is not None
+        return self.wheelset.lateral_uncertainty(self.equilibrium) if is_sought and self.status.converged else None
+
+    @cached_property
     def rails(self) -> dict[Side, RailAlongTrack]:
         """Rails along the track under these contact forces; without those whose bases are fixed."""
         track, sides, rails_by_side = self.problem.track, self.equilibrium.state.sides, dict[Side, RailAlongTrack]()

@@ -218,6 +218,20 @@ class SpatialWheelset:
         rolling = None if newton.creep is None else newton.creep.motion
         return replace(equilibrium, status=self._none(equilibrium, rolling))
 
+    def lateral_uncertainty(self, equilibrium: Equilibrium[SpatialState]) -> float:
+        """How far an equilibrium with friction moves across the track on cells shifted by half of their size, mm.
+
+        Slip zones are as thin as a cell, so that creep forces change with the position of the edges of the patches in
+        the cells; where the lateral force hardly depends on the lateral position, they balance at several positions.
+        By one Newton's step: the change of all forces on the other cells times the inverse of their derivatives.
+        """
+        place = RollingPlace.of(equilibrium)
+        grids = {side: replace(grid, grid=grid.grid.staggered) for side, grid in equilibrium.state.grids.items()}
+        creep = WheelsetCreep(self.problem, place.rate_rad_s)
+        newton = WheelsetNewton(self.problem, grids, place.position, self.compliance, equilibrium.state, creep)
+        newton.linearise(FINE_RESIDUAL)
+        return abs(float(newton.unlimited_step[0]))
+
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the wheels are at a position than rigid in the middle of the track, mm."""
         return position.vertical_mm + float(self._bending_by_load[::2].mean()) - self._middle_mm

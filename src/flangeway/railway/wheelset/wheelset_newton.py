@@ -422,6 +422,12 @@ class WheelsetNewton:
         (held,) = _solved(jacobian, -self.missed[:, None], rows & rest, columns & rest)
         return bool((self.missed[number] + jacobian[number] @ held) * step[number] < 0.0)
 
+    @property
+    def unlimited_step(self) -> Floats:
+        """Newton's step of all unknowns, without limits."""
+        (step,) = _solved(self.jacobian, -self.missed[:, None], self.free, self.free)
+        return step
+
     def step(self, tolerance: float) -> bool:
         """Move by Newton's step within its limits; whether it was in equilibrium."""
         share = tolerance / FINE_RESIDUAL

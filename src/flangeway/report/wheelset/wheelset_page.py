@@ -15,6 +15,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     GAUGE,
     GAUGE_DEPTH,
     LATERAL,
+    LATERAL_UNCERTAINTY,
     LOAD,
     LOAD_FACTOR,
     MAX_VON_MISES,
@@ -34,7 +35,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_FURTHER,
     SPATIAL_MAIN,
     TRACK,
-    AnyResult,
     WheelResult,
     patch_name,
 )
@@ -397,12 +397,13 @@ def _of_wheels(quantities: Sequence[Quantity[WheelResult]], run: WheelsetRun) ->
 def results_table(run: WheelsetRun) -> SummaryTable:
     """Position, L/V of the wheels and patches, one column a patch; what is of a side is in its first column."""
     units, sides = run.case.units, [patch.side for patch in run.patches]
-    position: Sequence[Quantity[AnyResult]] = (LATERAL, APPROACH)
+    position: Sequence[Quantity[Any]] = (LATERAL, APPROACH)
     quantities: Sequence[Quantity[Any]] = PLANE_MAIN
     wheels: Sequence[Quantity[WheelResult]] = (RATIO, GAUGE_DEPTH)
     if run.in_space is not None:
         rolls = bool(run.space.rolling)
-        position, quantities = MOTION, (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
+        quantities = (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
+        position = (*MOTION[:1], *present([LATERAL_UNCERTAINTY], run.space), *MOTION[1:])
         wheels = (RATIO, *(NADAL if rolls else ()), GAUGE, GAUGE_DEPTH)
     whole = dict(rows_of(position, run.result, units))
     table = table_across("Results", run.patch_names, run.patches, quantities, units=units)
