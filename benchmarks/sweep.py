@@ -24,6 +24,7 @@ from flangeway.cases import Wheelset, load_case
 from flangeway.railway.profiles.bundled import RAILS, REFERENCE_WHEELS, WHEELS
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
+from flangeway.railway.wheelset.side_contact import SideState
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
@@ -101,10 +102,25 @@ class EnergySweep:
     error: float
 
 
+def elastic_energy(state: SideState) -> float:
+    """Elastic energy of a wheel and its rail without friction, N mm.
+
+    ``1/2 f A f`` of the forces along the undeformed normals N, and what their shares s along the tangents T add:
+    ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
+    """
+    grid, forces = state.grid, state.forces
+    row = forces.sum(axis=1)
+    _, shares = grid.turned(row, np.zeros_like(row))
+    tangents, normals = grid.frames[:, 0, :2], grid.frames[:, 1, :2]
+    along = row[:, None] * normals + 0.5 * shares[:, None] * tangents
+    by_shares = float((along * (grid.bending_across @ shares)).sum())
+    return 0.5 * float((forces * grid.influence(forces)).sum()) - by_shares
+
+
 def energy_of(result: SpatialResult) -> float:
     """Elastic energy of wheels and rails and potential energy of the load, N mm."""
     equilibrium: Equilibrium[SpatialState] = result.equilibrium
-    elastic = sum(each.grid.elastic_energy(each.forces) for each in equilibrium.state.sides.values())
+    elastic = sum(elastic_energy(state) for state in equilibrium.state.sides.values())
     forces = result.problem.forces
     (along, onto), (x, y, roll) = forces.in_track, equilibrium.position.components
     height = forces.height_mm

@@ -28,6 +28,7 @@ MET_MM = 1e-11
 """Distance from the wheel's surface at which a ray has met it."""
 FAR_MM = 1e3
 """Gap of what does not meet."""
+ALL = slice(None)
 
 
 class WheelGap(NamedTuple):
@@ -114,7 +115,7 @@ def wheel_gap(
 
 
 RANK = 1e-4
-"""Singular value relative to the first one below which modes of bending are left out."""
+"""Singular value relative to the first one below which modes of lateral bending are left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,6 +211,24 @@ class WheelPose:
         """Direction of the wheel's axis to the field side, shape (3,)."""
         level = np.cos(self.whole_roll)
         return np.array([level * np.cos(self.yaw_rad), np.sin(self.whole_roll), level * np.sin(self.yaw_rad)])
+
+    @property
+    def motions(self) -> tuple[Floats, Floats]:
+        """How `middle` moves and the axis turns by x, y, roll, deflection, tilt and yaw, (3, 6) each.
+
+        The vectors of rotation of a body of revolution are ``axis x d(axis)``.
+        """
+        (s_x, s_y), yaw = self.seat, self.yaw_rad
+        sine, cosine = np.sin(self.whole_roll), np.cos(self.whole_roll)
+        middle, axes = np.zeros((3, 6)), np.zeros((3, 6))
+        middle[0, 0] = middle[1, 1] = 1.0
+        # middle = (x, y) + s - b (cos, sin)(roll + tilt) with the seat's distance b
+        middle[:2, 4] = self.seat_mm * np.array([sine, -cosine])
+        middle[:2, 2] = middle[:2, 4] + (-s_y, s_x)
+        middle[:2, 3] = self.up
+        axes[:, 2] = axes[:, 4] = -sine * np.cos(yaw), cosine, -sine * np.sin(yaw)
+        axes[:, 5] = -cosine * np.sin(yaw), 0.0, cosine * np.cos(yaw)
+        return middle, np.cross(self.axis, axes, axisb=0, axisc=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -371,6 +390,11 @@ class GriddedSide:
         return self._bent(self._unit_forces((0,), slice(None)))
 
     @property
+    def bending(self) -> Floats:
+        """Displacement of the rail less that of the wheel by unit normal forces on rows, (n, 2, n)."""
+        return self._bending[0]
+
+    @property
     def bending_across(self) -> Floats:
         """Displacement of the rail less that of the wheel by unit lateral forces on rows of the wheel, (n, 2, n)."""
         return self._bending_across[0]
@@ -411,28 +435,46 @@ class GriddedSide:
         return motion, float(moved[at_gauge, 0])
 
     @cached_property
-    def bending_modes(self) -> tuple[Floats, Floats]:
-        """Displacement of the rail less that of the wheel as ``modes @ loads`` of low rank: (n, 2, r) and (r, n)."""
-        return _modes(self._bending[0])
+    def loads_of_modes(self) -> Floats:
+        """Lateral forces of rows by which `bending_across` has its modes, (r, n)."""
+        _, sizes, loads = np.linalg.svd(self.bending_across.reshape(-1, len(self.grid.widths)), full_matrices=False)
+        return np.asarray(loads[sizes > RANK * sizes[0]])
 
-    @cached_property
-    def bending_modes_across(self) -> tuple[Floats, Floats]:
-        """The same of `bending_across`."""
-        return _modes(self.bending_across)
-
-    def _means(self, gaps: Floats) -> Floats:
-        """Means of the gaps over the cells by those at their middles (n, n_z): ``g + w^2 / 24 g''``.
+    def means(self, values: Floats, gaps: Floats, rows: slice = ALL) -> Floats:
+        """Means over rows of cells of values by those at their middles, (n, n_z, k): ``v + w^2 / 24 v''``.
 
         A jump of a profile's curvature inside of a cell would be as a step of the surface otherwise.
+
+        - `gaps`: at the middles, (n, n_z): beside those of what does not meet, values stay.
         """
-        grid = self.grid
-        steps = np.diff(grid.stations)[:, None]
-        slopes = np.diff(gaps, axis=0) / steps
-        second = np.zeros_like(gaps)
-        second[1:-1] = 2.0 * np.diff(slopes, axis=0) / (steps[1:] + steps[:-1])
-        near = (gaps < FAR_MM)[1:] & (gaps < FAR_MM)[:-1] & (steps < 2.0 * grid.widths[1:, None])
-        second[1:-1] *= near[1:] & near[:-1]
-        return gaps + grid.widths[:, None] ** 2 / 24.0 * second
+        steps, widths = np.diff(self.grid.stations[rows])[:, None], self.grid.widths[rows, None]
+        near = (gaps < FAR_MM)[1:] & (gaps < FAR_MM)[:-1] & (steps < 2.0 * widths[1:])
+        # v'' = 2 ((v_+ - v) / h_+ - (v - v_-) / h_-) / (h_+ + h_-)
+        part = widths[1:-1] ** 2 / 12.0 / (steps[1:] + steps[:-1]) * (near[1:] & near[:-1])
+        means = values.copy()
+        means[1:-1] += part[..., None] * np.diff(np.diff(values, axis=0) / steps[..., None], axis=0)
+        return means
+
+    def derivatives(self, row: Floats, across: Floats, n_across: int) -> tuple[Floats, Floats]:
+        """How the rail's cells move against the wheel's and turn, by normal and lateral forces of rows.
+
+        With normal forces p of rows, lateral ones a, and p's shares s along the tangents (see `turned`):
+        ``ds = (1 - p T')^-1 ((th + p T) dp + p T' da)``, ``th = T p + T' (a + s)`` the turn,
+        ``dP = B dp + B' (da + ds)``, and the angle of the normals ``(T dp + T' (da + ds)) / (1 + th^2)``.
+
+        - `n_across`: n, or 0 without derivatives by a.
+
+        Returned: displacement (n, 2, n + n_across) and angle (n, n + n_across) by (p, a).
+        """
+        (moved, turn), (moved_across, turn_across) = self._bending, self._bending_across
+        n, angles, unit = len(row), self.turned(row, across)[0], np.eye(len(row))
+        by = np.hstack((np.diag(angles) + row[:, None] * turn, row[:, None] * turn_across[:, :n_across]))
+        along = np.linalg.solve(unit - row[:, None] * turn_across, by)
+        along[:, n:] += unit[:, :n_across]
+        turns, moves = turn_across @ along, moved_across @ along
+        turns[:, :n] += turn
+        moves[..., :n] += moved
+        return moves, turns / (1.0 + angles**2)[:, None]
 
     def deformed(
         self,
@@ -457,9 +499,9 @@ class GriddedSide:
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.along, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
-        values = self._means(gap.gaps)
+        values = self.means(gap.gaps[..., None], gap.gaps)[..., 0]
         # `influence` moves the cells along the undeformed normals
-        values = np.where(gap.gaps < FAR_MM, values + (moved * self._at[1]).sum(axis=1)[:, None], FAR_MM)
+        values = np.where(gap.gaps < FAR_MM, values + (self.moved_along_normals @ row)[:, None], FAR_MM)
         return points, normals, gap, values
 
     def turned(self, row: Floats, across: Floats) -> tuple[Floats, Floats]:
@@ -474,40 +516,16 @@ class GriddedSide:
         shares = np.asarray(np.linalg.solve(np.eye(len(row)) - row[:, None] * turn_across, row * by_row), np.float64)
         return by_row + turn_across @ shares, shares
 
-    @property
-    def turn_by_rows(self) -> Floats:
-        """Turn of the normals by unit normal forces of rows, (n, n)."""
-        return self._bending[1]
-
-    @property
-    def undeformed_normals(self) -> Floats:
-        """Outward normals of the undeformed rail's cells, (n, 2)."""
-        return self._at[1]
-
-    def elastic_energy(self, forces: Floats) -> float:
-        """Elastic energy of both bodies under normal forces (n, n_z) without friction, N mm.
-
-        ``1/2 f A f`` of the forces along the undeformed normals N, and what their shares s along the tangents T add:
-        ``-(p N + s T / 2) . B' s`` with the displacements B' of the rail less those of the wheel.
-        """
-        row = forces.sum(axis=1)
-        _, shares = self.turned(row, np.zeros_like(row))
-        normals = self._at[1]
-        along = row[:, None] * normals + 0.5 * shares[:, None] * tangents_of(normals)
-        by_shares = float((along * (self.bending_across @ shares)).sum())
-        return 0.5 * float((forces * self.influence(forces)).sum()) - by_shares
+    @cached_property
+    def moved_along_normals(self) -> Floats:
+        """What unit normal forces of rows move the cells along their undeformed normals in `influence`, N.B, (n, n)."""
+        return np.einsum("ix,ixj->ij", self._at[1], self._bending[0])
 
 
 def _loaded(loads: Floats) -> tuple[slice, slice]:
     """The axes and splines of unit forces on these, (3, N, n), from the first to the last one that is not zero."""
     axes, splines = (np.flatnonzero(loads.any(axis=rest)) for rest in ((1, 2), (0, 2)))
     return slice(0, int(axes[-1]) + 1), slice(int(splines[0]), int(splines[-1]) + 1)
-
-
-def _modes(bending: Floats) -> tuple[Floats, Floats]:
-    left, sizes, right = np.linalg.svd(bending.reshape(-1, bending.shape[2]), full_matrices=False)
-    rank = int((sizes > RANK * sizes[0]).sum())
-    return (left[:, :rank] * sizes[:rank]).reshape(*bending.shape[:2], rank), right[:rank]
 
 
 def tangents_of(normals: Floats) -> Floats:

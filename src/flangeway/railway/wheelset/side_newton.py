@@ -1,8 +1,8 @@
 """Contact forces of a wheel on its rail as both bend: semismooth Newton steps.
 
-Within the set C of cells in contact ``f = -(A + D)_CC^-1 (h + B dq)`` with the influence A, the right-hand side h of
-the geometry as it is deformed now, and its derivatives B by the position and D by the forces: the rail moves across
-the track and rolls, and the patch with it. D has a low rank. The set changes with the signs of forces and gaps.
+Within the set C of cells in contact ``f = -(A + K E)_CC^-1 (h - K p + G dq)`` with the influence A, the right-hand side
+h of the geometry as it is deformed now, its derivatives G by the position and K by the forces ``p = E f`` of rows: the
+rail moves across the track and rolls, and the patch with it. The set changes with the signs of forces and gaps.
 """
 
 from typing import NamedTuple
@@ -13,8 +13,8 @@ import scipy.linalg
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.railway.wheelset.side_contact import FAR_MM, GriddedSide, SideState, WheelPose
-from flangeway.types import Bools, Floats, Ints
+from flangeway.railway.wheelset.side_contact import ALL, FAR_MM, GriddedSide, SideState, WheelPose, tangents_of
+from flangeway.types import Bools, Floats
 
 MAX_CELLS = 6000
 """Cells in contact up to which their matrix is factorised."""
@@ -51,6 +51,27 @@ class CreepSlopes(NamedTuple):
         return CreepSlopes(rows @ self.motion, rows @ self.shape, interpolated(self.weights, old.middles, new.middles))
 
 
+class SideTangent(NamedTuple):
+    """Derivatives of the geometry of a side.
+
+    - `moves`, `turns`: see `GriddedSide.derivatives`.
+    - `now`: resultant of normal forces, (3,).
+    - `resultant`: its derivatives by normal forces and, with friction, lateral ones of rows (p, a), (3, 2 n).
+    - `rail`: rigid motion of the rail under the patches about the middle of the axle by (p, a), (3, 2 n).
+    """
+
+    moves: Floats
+    turns: Floats
+    now: Floats
+    resultant: Floats
+    rail: Floats
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Products ``a_x b_y - a_y b_x`` of vectors (n, 2)."""
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
 class SideNewton:
     """One side while its forces are sought."""
 
@@ -61,6 +82,8 @@ class SideNewton:
         forces: Floats | float = 0.0,
         creep: Floats | float = 0.0,
         gap_increase: Floats | float = 0.0,
+        *,
+        rolls: bool = False,
     ) -> None:
         self.grid, self.pose = grid, pose
         n, n_z = len(grid.grid.widths), grid.grid.n_strips
@@ -82,14 +105,19 @@ class SideNewton:
         """With friction, gaps after the step before as far as they are linear, (n, n_z): they decide what touches."""
         self._factor: tuple[Floats, bool] | None = None
         self.changed = True
-        rows = N_RESULTANTS + n
+        rows = N_RESULTANTS + n * rolls
         self.slopes = CreepSlopes(np.zeros((rows, len(MOTIONS))), np.zeros((rows, 0)), np.zeros((0, n, n_z)))
         """How creep forces change; without friction they do not."""
         self.shape: Floats = np.zeros(0)
         """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
         self.stiffness: Floats = np.zeros((3, len(MOTIONS)))
         """Derivatives of the resultant of normal forces by `MOTIONS`, at the last `linearised_resultant`."""
+        self.tangent = self._tangent()
         self.creep_is_limited = False
+        self.resultant: Floats = np.zeros(N_RESULTANTS)
+        """Resultant of the creep forces, see `SideCreep`."""
+        self.creep_stiffness: Floats = np.zeros((N_RESULTANTS, len(MOTIONS)))
+        """As `stiffness`, of `resultant`."""
 
     def linearise(self, pose: WheelPose) -> None:
         """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
@@ -99,6 +127,7 @@ class SideNewton:
         self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self.creep[:, 0], guess)
         self.values = self.values + self.gap_increase
         self.total = self.values + grid.influence(self.forces)
+        self.tangent = self._tangent()
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = FORCE_TOLERANCE * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
@@ -136,14 +165,14 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, gap_increase: Floats, forces: Floats, slopes: CreepSlopes) -> None:
+    def bend(self, resultant: Floats, creep: Floats, gap_increase: Floats, forces: Floats, slopes: CreepSlopes) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
-        - `gap_increase`: see `SideCreep`.
+        - `resultant`, `gap_increase`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
         """
-        change = creep - self.creep
+        self.resultant, change = resultant, creep - self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, change[:, 0])
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = self.creep + share * change
@@ -157,64 +186,83 @@ class SideNewton:
         self.gap_increase = self.gap_increase + opened
         self.values = self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
+    def _tangent(self) -> SideTangent:
+        """Derivatives of the geometry as it is deformed now."""
+        n, row, tangents = len(self.points), self.forces.sum(axis=1), tangents_of(self.normals)
+        moves, turns = self.grid.derivatives(row, self.creep[:, 0], len(self.slopes.motion) - N_RESULTANTS)
+        # R = (sum p n, sum p (P - c) x n): dR = p t dphi, and p dP x n + p (P - c) x t dphi
+        arm, forces = self.points - (self.pose.x, self.pose.y), row[:, None] * self.normals
+        resultant = (row[:, None] * np.column_stack((tangents, _cross(arm, tangents)))).T @ turns
+        resultant[2] += moves[:, 0].T @ forces[:, 1] - moves[:, 1].T @ forces[:, 0]
+        by_row = np.column_stack((self.normals, _cross(arm, self.normals))).T
+        resultant[:, :n] += by_row
+        # a rail that moves by rho, about the middle of the axle, is as a wheel that moves by -rho
+        share = row / max(row.sum(), 1e-300)
+        rail = np.vstack((np.tensordot(share, moves, axes=1), share @ turns))
+        x, y = share @ arm
+        rail[:2] += np.outer((y, -x), rail[2])
+        return SideTangent(moves, turns, by_row @ row, resultant, rail)
+
+    def _opened(self, rows: slice, strips: slice, motion: Floats, forces: Floats) -> Floats:
+        """How gaps of cells change, (m, m_z, k), by k motions along `MOTIONS`, (7, k), and forces of rows (p, a)."""
+        n, (moves, turns, *_) = len(self.points), self.tangent
+        by, gaps, arms = (values[rows, strips] for values in (self.gap.by_motion, self.gap.gaps, self.gap.arms))
+        # dg = -b . dP - g (b . t) dphi where the rail moves by dP and its normals turn by dphi
+        along = np.einsum("izx,ix->iz", by[..., :2], tangents_of(self.normals[rows]))
+        opened = -by[..., :2] @ (moves[rows] @ forces) - (gaps * along)[..., None] * (turns[rows] @ forces)[:, None]
+        # dg = b . (v + w x a) where the wheel moves by v and turns by w, a from the origin of its profile
+        middle, axes = self.pose.motions
+        moving = np.delete(motion, MOTIONS.index("rate"), axis=0)
+        arms = arms - np.append(self.pose.shift, 0.0)
+        opened += by @ (middle @ moving) + np.cross(arms, by) @ (axes @ moving)
+        along_normals = self.grid.moved_along_normals[rows] @ forces[:n]
+        means: Floats = self.grid.means(opened, gaps, rows) + along_normals[:, None]
+        return means
+
+    def _creep_changes(self) -> tuple[Floats, Floats, Floats]:
+        """How resultant and lateral forces of rows, ``(C, a)``, change: by `MOTIONS`, p and `CreepSlopes.shape`.
+
+        The rail moves by ``rho = P dp + A da``, and creep forces turn with it by its roll: ``dC = C_q (dq - rho) +
+        C_s ds + rho_roll z x C``, ``da = a_q (dq - rho) + a_s ds``.
+        """
+        n, rows = len(self.points), slice(N_RESULTANTS, None)
+        by_rail = -self.slopes.motion[:, :3]
+        # z x F and z x M; the torque about the wheel's axis stays
+        f_x, f_y, _, m_x, m_y = self.resultant[:5]
+        by_rail[:5, 2] += -f_y, f_x, 0.0, -m_y, m_x
+        rail, rail_across = self.tangent.rail[:, :n], self.tangent.rail[:, n:]
+        changes = np.hstack((self.slopes.motion, by_rail @ rail, self.slopes.shape))
+        # da = (1 - a_rho A)^-1 (...)
+        by_across = by_rail[rows] @ rail_across
+        changes[rows] = np.linalg.solve(np.eye(len(by_across)) - by_across, changes[rows])
+        changes[:N_RESULTANTS] += by_rail[:N_RESULTANTS] @ rail_across @ changes[rows]
+        by_motion, by_row, by_shape = np.split(changes, (len(MOTIONS), len(MOTIONS) + n), axis=1)
+        return by_motion, by_row, by_shape
+
     def solve(self) -> tuple[Floats, Floats]:
         """Forces on the cells in contact, (m,), and derivatives by `MOTIONS`, (m, 7)."""
         if self._factor is None:
             return np.zeros(0), np.zeros((0, len(MOTIONS)))
         rows, strips = np.nonzero(self.touching)
-        (slopes, left, of_shape), right = self._changes(rows, strips), self._right
-        # h is that of the forces so far: their part in D is taken off
-        values = self.values[rows, strips] - left @ (right @ self.forces.sum(axis=1)) - of_shape @ self.shape
-        left, right = np.hstack((left, of_shape)), np.vstack((right[:, rows], self.slopes.weights[:, rows, strips]))
-        solutions = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
-        n = 1 + slopes.shape[1]
-        solved, inner = solutions[:, :n], solutions[:, n:]
+        loaded = np.flatnonzero(self.touching.any(axis=1) | self.forces.any(axis=1))
+        row = np.equal.outer(np.arange(len(self.points)), loaded).astype(np.float64)
+        of_motion, of_row, of_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
+        n, n_rows, n_shapes = len(MOTIONS), len(loaded), of_shape.shape[1]
+        motion = np.eye(n, n + n_rows + n_shapes)
+        normal = np.pad(row, ((0, 0), (n, n_shapes)))
+        forces = np.vstack((normal, np.hstack((of_motion, of_row[:, loaded], of_shape))))
+        # means over cells take those beside them
+        box = slice(max(rows[0] - 1, 0), rows[-1] + 2), slice(strips.min(), strips.max() + 1)
+        opened = self._opened(*box, motion, forces)[rows - box[0].start, strips - box[1].start]
+        by_motion, left = opened[:, :n], opened[:, n:]
+        right = np.vstack((row.T[:, rows], self.slopes.weights[:, rows, strips]))
+        # h is that of the forces so far: their part in K is taken off
+        values = self.values[rows, strips] - left @ np.append(self.forces.sum(axis=1)[loaded], self.shape)
+        solutions = scipy.linalg.cho_solve(self._factor, np.column_stack((values, by_motion, left)), check_finite=False)
+        solved, inner = solutions[:, : n + 1], solutions[:, n + 1 :]
         small = np.eye(len(right)) + right @ inner
         solved = solved - inner @ np.linalg.solve(small, right @ solved)
         return -solved[:, 0], -solved[:, 1:]
-
-    def _changes(self, rows: Ints, strips: Ints) -> tuple[Floats, Floats, Floats]:
-        """How gaps of cells (m,) change: by `MOTIONS`, by `_right`, and by `CreepSlopes.shape`."""
-        all_by, arms = self.gap.by_motion[rows, strips], self.gap.arms[rows, strips]
-        by = all_by[:, :2]
-        # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
-        from_seat = arms[:, :2] - self.pose.seat
-        slopes = np.stack(
-            (
-                by[:, 0],
-                by[:, 1],
-                by[:, 1] * arms[:, 0] - by[:, 0] * arms[:, 1],
-                by @ self.pose.up,
-                by[:, 1] * from_seat[:, 0] - by[:, 0] * from_seat[:, 1],
-                np.zeros(len(rows)),
-                all_by[:, 2] * arms[:, 0] - by[:, 0] * arms[:, 2],
-            ),
-            axis=1,
-        )
-        # D = left right: by_motion . n = 1, so that n - by_motion lies across
-        grid = self.grid
-        (modes, _), (across, loads_across) = grid.bending_modes, grid.bending_modes_across
-        by_across = -np.einsum("mx,mxk->mk", by, across[rows])
-        left = np.hstack((np.einsum("mx,mxk->mk", grid.undeformed_normals[rows] - by, modes[rows]), by_across))
-        by_motion, by_shape = (loads_across @ slopes[N_RESULTANTS:] for slopes in self.slopes[:2])
-        return slopes + by_across @ by_motion, left, by_across @ by_shape
-
-    @property
-    def _right(self) -> Floats:
-        """Loads of the modes by which normal forces of rows bend the bodies, (r, n)."""
-        grid, row = self.grid, self.forces.sum(axis=1)
-        loads, loads_across = grid.bending_modes[1], grid.bending_modes_across[1]
-        # shares s = p T p of the forces along the tangents: ds_i = (T p)_i dp_i + p_i (T dp)_i
-        turned, _ = grid.turned(row, self.creep[:, 0])
-        return np.vstack((loads, loads_across * turned + (loads_across * row) @ grid.turn_by_rows))
-
-    def resultants(self, forces: Floats) -> Floats:
-        """Force on the wheel (x, y) and moment about the axle's middle of forces on cells in contact (m, k): (3, k)."""
-        rows, strips = np.nonzero(self.touching)
-        normals, arms = self.normals[rows], self.gap.arms[rows, strips]
-        moment = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
-        result: Floats = np.column_stack((normals, moment)).T @ forces
-        return result
 
     def yaw_moment(self, forces: Floats, by_motion: Floats) -> tuple[float, Floats]:
         """Moment of normal forces (m,) on the wheel about y, ``z f_x``, and its derivatives by those of the forces."""
@@ -222,19 +270,27 @@ class SideNewton:
         arms = self.grid.grid.along[strips] * self.normals[rows, 0]
         return float(arms @ forces), arms @ by_motion
 
-    def linearised_resultant(self, forces: Floats, by_motion: Floats) -> Floats:
-        """Resultant of forces of `solve`, (3,); its derivatives are then `stiffness`."""
-        resultants = self.resultants(np.column_stack((forces, by_motion)))
-        # the moment changes too as the axle's middle moves away from where the forces act
-        resultants[2, 1:3] += (-resultants[1, 0], resultants[0, 0])
-        self.stiffness = resultants[:, 1:]
-        return resultants[:, 0]
+    def resultants(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
+        """Resultants of normal forces (3,) and of creep forces (7,) at forces of `solve`, as far as they are linear.
 
-    def creep_now(self, forces: Floats, by_motion: Floats, at_bend: Floats) -> tuple[Floats, Floats]:
-        """Resultant of creep forces (7,), and its derivatives (7, 7), at forces of `solve` from that at `bend`."""
-        weights, by_shape = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
-        now = at_bend + by_shape @ (weights @ forces - self.shape)
-        return now, self.slopes.motion[:N_RESULTANTS] + by_shape @ (weights @ by_motion)
+        The derivatives by `MOTIONS` are then `stiffness` and `creep_stiffness`.
+        """
+        n, by_forces = len(self.points), self.tangent.resultant
+        weights, rows = self.slopes.weights[:, self.touching], np.nonzero(self.touching)[0]
+        motion, row, shape = self._creep_changes()
+        changes, values = np.zeros((n, 1 + len(MOTIONS))), np.column_stack((forces, by_motion))
+        np.add.at(changes, rows, values)
+        changes[:, 0] -= self.forces.sum(axis=1)
+        shapes = weights @ values
+        shapes[:, 0] -= self.shape
+        of_creep = row @ changes + shape @ shapes
+        of_creep[:, 1:] += motion
+        normal = by_forces[:, :n] @ changes + by_forces[:, n:] @ of_creep[N_RESULTANTS:]
+        normal[:, 0] += self.tangent.now
+        # the moment changes too as the axle's middle moves away from where the forces act
+        normal[2, 1:3] += (-normal[1, 0], normal[0, 0])
+        self.stiffness, self.creep_stiffness = normal[:, 1:], of_creep[:N_RESULTANTS, 1:]
+        return normal[:, 0], self.resultant + of_creep[:N_RESULTANTS, 0]
 
     def take(self, forces: Floats, step: Floats) -> float:
         """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
@@ -246,29 +302,28 @@ class SideNewton:
         self.raw[self.touching] = forces
         new[self.touching] = np.maximum(forces, 0.0)
         change = new - self.forces
-        rolls = len(self.shape) > 0
+        rolls, before = len(self.shape) > 0, self.forces.sum(axis=1)
         if rolls:
             self._expect(step)
-        moved = np.abs(
-            np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
-        )
+        moved = np.abs(self.grid.bending @ change.sum(axis=1))
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
         if rolls:
+            motion, row, by_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
             shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
-            change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
-            self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
+            change_of_rows = by_shape @ (shape - self.shape) + motion @ step + row @ (self.forces.sum(axis=1) - before)
+            self.creep = self.creep + np.outer(change_of_rows, (1.0, 0.0))
             self.shape = shape
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 
     def _expect(self, step: Floats) -> None:
         """Take gaps under the forces of `solve` after a step: none where the cells touch."""
-        rows, strips = np.indices(self.forces.shape).reshape(2, -1)
-        slopes, left, of_shape = self._changes(rows, strips)
-        change = slopes @ step + left @ (self._right @ (self.raw - self.forces).sum(axis=1))
-        change = change + of_shape @ (np.tensordot(self.slopes.weights, self.raw, axes=2) - self.shape)
-        self.expected = self.values + self.grid.influence(self.raw) + change.reshape(self.forces.shape)
+        motion, row, by_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
+        normal, shape = (self.raw - self.forces).sum(axis=1), np.tensordot(self.slopes.weights, self.raw, axes=2)
+        across = motion @ step + row @ normal + by_shape @ (shape - self.shape)
+        opened = self._opened(ALL, ALL, step[:, None], np.append(normal, across)[:, None])[..., 0]
+        self.expected = self.values + self.grid.influence(self.raw) + opened
 
     @property
     def state(self) -> SideState:
@@ -327,7 +382,7 @@ def solve_side(
     for _ in range(MAX_STEPS):
         newton.linearise(pose)
         forces, by_motion = newton.solve()
-        newton.linearised_resultant(forces, by_motion)
+        newton.resultants(forces, by_motion)
         change = newton.take(forces, np.zeros(len(MOTIONS)))
         if change < FORCE_CHANGE and not newton.changed:
             break

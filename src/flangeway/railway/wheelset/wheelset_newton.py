@@ -86,8 +86,7 @@ def pose_of(
 
 def seat_of(side: Side) -> list[int]:
     """Numbers of deflection and tilt of the seat of a side among those of both."""
-    first = 2 * SIDES.index(side)
-    return [first, first + 1]
+    return [0, 1] if side == "left" else [2, 3]
 
 
 def bending_of(sides: Mapping[Side, SideState]) -> Floats:
@@ -198,7 +197,7 @@ class WheelsetNewton:
                 continue  # its contact is known
             pose = pose_of(self.problem, self.position, side, self.yaw, self.bending)
             if near is None:
-                self.sides[side] = SideNewton(grid, pose)
+                self.sides[side] = SideNewton(grid, pose, rolls=self.creep is not None)
                 continue
             before, gap_increase = (
                 near.sides[side],
@@ -212,6 +211,7 @@ class WheelsetNewton:
                 0.0
                 if gap_increase is None
                 else interpolated(gap_increase, before.grid.grid.middles, grid.grid.middles),
+                rolls=self.creep is not None,
             )
         self.reaches: dict[int, Reach] = {}
         """Step limits of rate and yaw: surfaces that slip everywhere have no slope that leads back."""
@@ -285,12 +285,13 @@ class WheelsetNewton:
             signs = signs_of(side)
             by_signs = np.array([*signs, 1.0, signs[0], 1.0, signs[0]])
             columns = [0, 1, 2, *np.add(BENDING.start, seat_of(side)).tolist(), RATE, YAW]  # of `MOTIONS`
-            self.resultants[side] = signs * newton.linearised_resultant(forces, by)
+            normal, creep = newton.resultants(forces, by)
+            self.resultants[side] = signs * normal
             self.changes[side] = forces, by, by_signs, columns
             slopes = signs[:, None] * newton.stiffness * by_signs
             jacobian[:3, columns] += slopes
             if self.creep is not None:
-                slopes = slopes + self._add_creep(side)
+                slopes = slopes + self._add_creep(side, creep)
             total += self.resultants[side]
             to_track = np.array([1.0, signs[0]])
             forces_on_seat, by_resultant, by_motion = on_seat(newton.pose, signs * self.resultants[side])
@@ -317,14 +318,13 @@ class WheelsetNewton:
         if side not in self._slopes:
             self._slopes[side] = self.creep.derivatives(side, newton, normal, creep)
         slopes = self._slopes[side]
-        newton.bend(creep.rows, creep.gap_increase, forces, slopes)
+        newton.bend(creep.resultant, creep.rows, creep.gap_increase, forces, slopes)
 
-    def _add_creep(self, side: Side) -> Floats:
+    def _add_creep(self, side: Side, creep: Floats) -> Floats:
         """Add creep forces of a side and what they change; derivatives of their resultant by `MOTIONS`, (3, 7)."""
         newton, to_track = self.sides[side], signs_of_creep(side)
         forces, by, by_signs, columns = self.changes[side]
-        now, change = newton.creep_now(forces, by, self.rolled[side].resultant)
-        now, change = to_track @ now, to_track @ change * by_signs
+        now, change = to_track @ creep, to_track @ newton.creep_stiffness * by_signs
         self.creeping[:, columns] += change
         self.creep_now += now
         self.resultants[side] = self.resultants[side] + now[:3]
@@ -458,7 +458,8 @@ class WheelsetNewton:
         """Derivatives of the residual by the position where the axle bends with it, (3, 3)."""
         jacobian = self.jacobian
         bends = np.linalg.solve(jacobian[BENDING, BENDING], jacobian[BENDING, :3])
-        return np.asarray(jacobian[:3, :3] - jacobian[:3, BENDING] @ bends)
+        condensed: Floats = jacobian[:3, :3] - jacobian[:3, BENDING] @ bends
+        return condensed
 
     def equilibrium(self, status: Status) -> Equilibrium[SpatialState]:
         """What there is now."""

@@ -244,7 +244,7 @@ class WheelsetCreep:
         forces, ahead, none = cells.sum(axis=1), cells[..., 0] @ contact.grid.along, np.zeros(3)
         # numbers of the forces along t and z and of the sums of z times the former, for each row
         wanted = resultants_of(*places[0]).reshape(N_RESULTANTS, -1).T
-        loads = newton.grid.bending_modes_across[1]
+        loads = newton.grid.loads_of_modes
         wanted = np.hstack((wanted, np.pad(loads[:, rows].T, ((0, 2 * len(forces)), (0, 0)))))
         scales = np.linalg.norm(wanted, axis=0)
         left, values, right = np.linalg.svd(wanted / np.where(scales > 0.0, scales, 1.0), full_matrices=False)
