@@ -476,7 +476,7 @@ def _regions(run: Run, finite: WheelsetResult) -> Iterator[Row]:
     for crown in () if run.quick else (8.0, 14.0):
         run.progress(f"crown radius {crown:g} in")
         case = identified("curve").replaced(track={"rail": f"136RE-{crown:g}"}, mesh={"order": 2})
-        crowns[crown] = case.run(cold=True).plane
+        crowns[crown] = solve_wheelset(case, cold=True)
     for crown, result in crowns.items():
         regions = sorted(contact_name(result, patch) for patch in result.patches)
         code, order = "curve FO{}, crown {:g} in", result.model.problem.mesh.order
@@ -490,7 +490,7 @@ def _rigid_limit(run: Run, curve: Wheelset) -> Iterator[Row]:
     factors, differences = (10.0, 100.0) if run.quick else FACTORS, []
     for factor in factors:
         run.progress(f"Young's modulus times {factor:g}")
-        result = curve.replaced(material={"young_MPa": factor * curve.material.young_MPa}).run(cold=True).plane
+        result = solve_wheelset(curve.replaced(material={"young_MPa": factor * curve.material.young_MPa}), cold=True)
         run.check(f"Young's modulus x {factor:g}", result.status)
         apart, points = rigid_differences_mm(result)
         differences.append(apart)
@@ -513,7 +513,7 @@ def _refined(run: Run, curve: Wheelset) -> Iterator[Row]:
     for divisor in (1, 2) if run.quick else DIVISORS:
         run.progress(f"element size in contact over {divisor}")
         case = curve.replaced(contact={"contact_size_mm": curve.plane.contact_size_mm / divisor})
-        result = case.run(cold=True).plane
+        result = solve_wheelset(case, cold=True)
         run.check(f"element size / {divisor}", result.status)
         numbers = contact_quantities(result)
         for (name, quantity), value in numbers.items() if before else ():

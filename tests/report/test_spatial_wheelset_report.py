@@ -10,7 +10,7 @@ import pytest
 from scipy.interpolate import interp1d
 
 from flangeway.cases import load_case
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import SpatialWheelsetRun
 from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
@@ -62,7 +62,7 @@ def rolling(run):
         for side in SIDES
     }
     patches = tuple(replace(patch, tractions=tractions[patch.side]) for patch in patches)
-    return WheelsetRun(run.case, replace(run.result, patches=patches), 1.0)
+    return SpatialWheelsetRun(run.case, replace(run.result, patches=patches), 1.0)
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,7 @@ from flangeway.cases.case_file import (
     toml_text,
     write_case_file,
 )
-from flangeway.cases.wheelset.wheelset_case import Wheelset, WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import SpatialWheelsetRun, Wheelset
 from flangeway.errors import FlangewayError, InputError, short
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, SECTIONS, WHEELS
 from flangeway.railway.profiles.orientation import ReadOptions
@@ -183,8 +183,8 @@ class LiveEngine:
         """Return a position with its patches; `SupersededError` if a newer request comes meanwhile."""
         return self._alone(lambda progress: self._position(self._run(self.case(inputs), progress)))
 
-    def _position(self, run: WheelsetRun) -> dict[str, Any]:
-        result, table = run.space, results_table(run)
+    def _position(self, run: SpatialWheelsetRun) -> dict[str, Any]:
+        result, table = run.result, results_table(run)
         return {
             "converged": result.status.converged,
             "message": result.status.message,
@@ -240,8 +240,9 @@ class LiveEngine:
             progress("")
             return self._positions.submit(work, progress).result()
 
-    def _run(self, case: Wheelset, progress: Progress) -> WheelsetRun:
-        return case.run_on(self._bodies.get(bodies_key(case), lambda: case.prepared(progress)), progress)
+    def _run(self, case: Wheelset, progress: Progress) -> SpatialWheelsetRun:
+        run: Any = case.run_on(self._bodies.get(bodies_key(case), lambda: case.prepared(progress)), progress)
+        return run
 
     def _path(self, name: str) -> Path:
         try:
@@ -297,16 +298,16 @@ def _geometry(case: Wheelset) -> dict[str, Any]:
     }
 
 
-def _patches(run: WheelsetRun) -> dict[str, Any]:
+def _patches(run: SpatialWheelsetRun) -> dict[str, Any]:
     """Cells under pressure of both sides from above as polygons, to the right and ahead in mm, with their values."""
     sides: dict[str, Any] = {}
     for side in SIDES:
-        shown = patch_map(run.space, side)
+        shown = patch_map(run.result, side)
         drawn, cells = shown.cells_drawn, shown.cells
         if not drawn.chosen.any():
             continue
-        below = stresses_below(run.space, side)
-        patches = [patch for patch in run.space.patches if patch.side == side]
+        below = stresses_below(run.result, side)
+        patches = [patch for patch in run.result.patches if patch.side == side]
         tractions = next((patch.tractions for patch in patches), None)
         sides[side] = {
             "polygons": _rounded(drawn.polygons),

@@ -13,6 +13,7 @@ from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import WheelPatch, rolling_contact_of
 from flangeway.solve import Status
@@ -78,7 +79,7 @@ def _prepared(bodies: str) -> SpatialWheelset:
 
 
 def _computed(task: PositionTask) -> Arrays:
-    result = task.own_case.run_on(_prepared(task.case.model_dump_json())).space
+    result = solve_position(_prepared(task.case.model_dump_json()).at(task.own_case), {})
     if not result.status.converged:
         raise _refused(task, result.status)
     axle = np.append(result.equilibrium.position.axle(result.problem.wheels), 0.0)

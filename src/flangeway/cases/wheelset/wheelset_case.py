@@ -30,6 +30,7 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     WHEEL,
     AnyPatch,
     AnyResult,
+    SpatialWheelResult,
     WheelResult,
     patch_name,
     row_columns,
@@ -39,7 +40,7 @@ from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import located
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, column_names, numbers, values
-from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.supports import Continuous, Fixed, RigidAxle, RimSection, Sleepers
 from flangeway.railway.track.wheelset_problem import Plane, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
@@ -91,33 +92,18 @@ class WheelsetRun(RunResult):
         return self.result.problem
 
     @property
-    def in_space(self) -> SpatialResult | None:
-        """The solution in three dimensions; None of a plane wheelset."""
-        return self.result if isinstance(self.result, SpatialResult) else None
-
-    @property
-    def space(self) -> SpatialResult:
-        """The solution of a wheelset in three dimensions."""
-        assert isinstance(self.result, SpatialResult)
-        return self.result
-
-    @property
-    def plane(self) -> WheelsetResult:
-        """The solution of a plane wheelset."""
-        assert isinstance(self.result, WheelsetResult)
-        return self.result
-
-    @property
     def patches(self) -> Sequence[AnyPatch]:
         """The contact patches, left side first."""
         return self.result.patches
 
     @cached_property
-    def wheels(self) -> list[WheelResult]:
+    def wheels(self) -> Sequence[WheelResult]:
         """The left and the right wheel."""
-        return [
-            WheelResult(self.result, side, [patch for patch in self.patches if patch.side == side]) for side in SIDES
-        ]
+        return [WheelResult(self.result, side, self.patches_of(side)) for side in SIDES]
+
+    def patches_of(self, side: Side) -> list[Any]:
+        """The contact patches of a side."""
+        return [patch for patch in self.patches if patch.side == side]
 
     @property
     def patch_names(self) -> list[str]:
@@ -127,13 +113,16 @@ class WheelsetRun(RunResult):
     @property
     def patch_quantities(self) -> Sequence[Quantity[Any]]:
         """Numbers of its patches."""
-        return PLANE_PATCH if self.in_space is None else PATCH
+        raise NotImplementedError
 
     @property
-    def wheel_quantities(self) -> Sequence[Quantity[WheelResult]]:
+    def wheel_quantities(self) -> Sequence[Quantity[Any]]:
         """Numbers of its wheels."""
-        space = self.in_space
-        return WHEEL if space is None else (*WHEEL, *HEAD, *(NADAL if space.rolling else ()))
+        raise NotImplementedError
+
+    def further_parts(self) -> dict[str, Any]:
+        """What the summary of this kind of result has besides."""
+        raise NotImplementedError
 
     @property
     def warnings(self) -> list[str]:
@@ -142,7 +131,7 @@ class WheelsetRun(RunResult):
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`."""
-        result, space = self.result, self.in_space
+        result = self.result
         content: dict[str, Any] = {
             "position": values(POSITION, result),
             "track": values(TRACK, self.problem.track),
@@ -151,11 +140,44 @@ class WheelsetRun(RunResult):
             "sides": [{"side": wheel.side, **values(self.wheel_quantities, wheel)} for wheel in self.wheels],
             "patches": [values(self.patch_quantities, patch) for patch in self.patches],
         }
-        if space is not None:
-            content["rolling"] = values(ROLLING, space) if space.rolling else None
-        elif isinstance(result, WheelsetResult):
-            content["bodies"] = [values(MESH, body) for body in result.model.bodies]
+        content |= self.further_parts()
         return content | {"assumptions": self.case.assumptions(result), "warnings": self.warnings}
+
+
+class PlaneWheelsetRun(WheelsetRun):
+    """A plane wheelset."""
+
+    result: WheelsetResult
+    patch_quantities = PLANE_PATCH
+    wheel_quantities = WHEEL
+
+    def further_parts(self) -> dict[str, Any]:
+        """Meshes of the bodies."""
+        return {"bodies": [values(MESH, body) for body in self.result.model.bodies]}
+
+
+class SpatialWheelsetRun(WheelsetRun):
+    """A wheelset in three dimensions."""
+
+    result: SpatialResult
+    patch_quantities = PATCH
+
+    @cached_property
+    def wheels(self) -> Sequence[SpatialWheelResult]:
+        """The left and the right wheel."""
+        return [SpatialWheelResult(self.result, side, self.patches_of(side)) for side in SIDES]
+
+    @property
+    def wheel_quantities(self) -> Sequence[Quantity[Any]]:
+        """Numbers of its wheels."""
+        return (*WHEEL, *HEAD, *(NADAL if self.result.rolling else ()))
+
+    def further_parts(self) -> dict[str, Any]:
+        """How it rolls."""
+        return {"rolling": values(ROLLING, self.result) if self.result.rolling else None}
+
+
+AnyWheelsetRun = PlaneWheelsetRun | SpatialWheelsetRun
 
 
 # --- The case.
@@ -210,11 +232,14 @@ class Wheelset(WheelsetProblem, RunnableCase):
         if isinstance(self.contact, Plane):
             super().check_sections()
 
-    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> WheelsetRun:
+    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> AnyWheelsetRun:
         """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
         start = time.perf_counter()
-        solve = solve_wheelset if isinstance(self.contact, Plane) else solve_spatial
-        return WheelsetRun(self, solve(self, progress=progress, cold=cold), time.perf_counter() - start)
+        if isinstance(self.contact, Plane):
+            plane = solve_wheelset(self, progress=progress, cold=cold)
+            return PlaneWheelsetRun(self, plane, time.perf_counter() - start)
+        result = solve_spatial(self, progress=progress, cold=cold)
+        return SpatialWheelsetRun(self, result, time.perf_counter() - start)
 
     solve = run
 
@@ -235,17 +260,17 @@ class Wheelset(WheelsetProblem, RunnableCase):
         )  # fmt: skip
         return PlaneWheelset.of(build_model(middle, whole=True, cache=cache), cache=cache)
 
-    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> WheelsetRun:
+    def run_on(self, bodies: Any, progress: Progress = lambda _: None) -> AnyWheelsetRun:
         """See `RunnableCase.run_on`."""
         start, placed = time.perf_counter(), bodies.at(self)
-        plane = isinstance(self.contact, Plane)
-        result = solve_condensed(placed, progress) if plane else solve_position(placed, {}, progress)
-        return WheelsetRun(self, result, time.perf_counter() - start)
+        if isinstance(self.contact, Plane):
+            return PlaneWheelsetRun(self, solve_condensed(placed, progress), time.perf_counter() - start)
+        return SpatialWheelsetRun(self, solve_position(placed, {}, progress), time.perf_counter() - start)
 
     # --- Rows of campaigns.
 
     @property
-    def row_quantities(self) -> Sequence[Quantity[WheelResult]]:
+    def row_quantities(self) -> Sequence[Quantity[Any]]:
         """Numbers of a wheel in a row of a campaign."""
         spatial = ROLLING_ROW if self.friction else SPATIAL_ROW
         return PLANE_ROW if isinstance(self.contact, Plane) else spatial

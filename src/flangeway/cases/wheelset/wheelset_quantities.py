@@ -74,23 +74,38 @@ class WheelResult:
         """Patch with the maximum normal force."""
         return max(self.patches, key=lambda patch: patch.normal_force_N, default=None)
 
+    @property
+    def lateral_over_vertical(self) -> float | None:
+        """L/V; None without contact."""
+        ratio = self.result.lateral_over_vertical(self.side)
+        return ratio if math.isfinite(ratio) else None
+
+    def total(self, value: Callable[[Any], float | None]) -> float:
+        """Sum of a number over the patches."""
+        return math.fsum(value(patch) or 0.0 for patch in self.patches)
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialWheelResult(WheelResult):
+    """One wheel on its rail in three dimensions."""
+
+    result: SpatialResult
+
     @cached_property
     def head(self) -> tuple[float, float, float, float]:
-        """Motion of the rail's head, lateral, vertical and roll, and of its gauge face outwards; not of a plane one."""
-        assert isinstance(self.result, SpatialResult)
+        """Motion of the rail's head, lateral, vertical and roll, and of its gauge face outwards."""
         return self.result.head_motion(self.side)
 
     @property
     def nadal_limit(self) -> float | None:
         """Nadal's limit of L/V; None without friction."""
-        result = self.result
-        return result.nadal_limit(self.side) if isinstance(result, SpatialResult) and result.rolling else None
+        return self.result.nadal_limit(self.side) if self.result.rolling else None
 
     @property
     def nadal_fraction(self) -> float | None:
         """L/V over Nadal's limit; None for a wheel whose flange does not touch."""
         limit, ratio = self.nadal_limit, self.lateral_over_vertical
-        if limit is None or ratio is None or not isinstance(self.result, SpatialResult):
+        if limit is None or ratio is None:
             return None
         return ratio / limit if self.result.flange_touches(self.side) else None
 
@@ -101,16 +116,6 @@ class WheelResult:
         if fraction is None:
             return None
         return f"{'exceeded' if fraction > 1.0 else 'not exceeded'} ({100.0 * fraction:.0f} %)"
-
-    @property
-    def lateral_over_vertical(self) -> float | None:
-        """L/V; None without contact."""
-        ratio = self.result.lateral_over_vertical(self.side)
-        return ratio if math.isfinite(ratio) else None
-
-    def total(self, value: Callable[[Any], float | None]) -> float:
-        """Sum of a number over the patches."""
-        return math.fsum(value(patch) or 0.0 for patch in self.patches)
 
 
 # Position, load and residuals
@@ -377,23 +382,23 @@ WHEEL: Quantities[WheelResult] = (
     RATIO,
     GAUGE_DEPTH,
 )
-GAUGE: Quantity[WheelResult] = Quantity(
+GAUGE: Quantity[SpatialWheelResult] = Quantity(
     "gauge_outward", "gauge-face deflection", lambda wheel: wheel.head[3], "mm", "z.3f"
 )
-HEAD: Quantities[WheelResult] = (
+HEAD: Quantities[SpatialWheelResult] = (
     Quantity("head_lateral", "railhead lateral displacement", lambda wheel: wheel.head[0], "mm", "z.3f"),
     Quantity("head_vertical", "  up", lambda wheel: wheel.head[1], "mm", "z.3f"),
     Quantity("head_roll", "  roll", lambda wheel: wheel.head[2], "mrad", "z.3f", factor=1e3),
     GAUGE,
 )
-NADAL_FRACTION: Quantity[WheelResult] = Quantity(
+NADAL_FRACTION: Quantity[SpatialWheelResult] = Quantity(
     "share_of_nadal_limit", "  fraction of the limit", lambda wheel: wheel.nadal_fraction, form=".0%"
 )
-NADAL: Quantities[WheelResult] = (
+NADAL: Quantities[SpatialWheelResult] = (
     Quantity("nadal_limit", "  Nadal's limit", lambda wheel: wheel.nadal_limit, form=".3f"),
     NADAL_FRACTION,
 )
-NADAL_WORDS: Quantity[WheelResult] = Quantity("nadal", "Nadal's criterion", lambda wheel: wheel.nadal_words)
+NADAL_WORDS: Quantity[SpatialWheelResult] = Quantity("nadal", "Nadal's criterion", lambda wheel: wheel.nadal_words)
 
 
 def _most_loaded(*quantities: Quantity[Any]) -> Quantities[WheelResult]:
@@ -412,13 +417,13 @@ PLANE_ROW: Quantities[WheelResult] = (
     *_HIGHEST,
     *_most_loaded(HALF_WIDTH, *_POINTS),
 )
-SPATIAL_ROW: Quantities[WheelResult] = (
+SPATIAL_ROW: Quantities[SpatialWheelResult] = (
     *WHEEL,
     *_HIGHEST,
     *_most_loaded(*_ELLIPSE, *_POINTS),
     *HEAD,
 )
-ROLLING_ROW: Quantities[WheelResult] = (
+ROLLING_ROW: Quantities[SpatialWheelResult] = (
     *SPATIAL_ROW,
     *_most_loaded(*CREEP_MAIN[:3], CREEP_MAIN[5]),
     *map(_sum, (*CREEP_MAIN[3:5], CREEP_MAIN[6], CREEP_FURTHER[3])),
@@ -433,7 +438,7 @@ ROLLING_PATCH_ROW = (*SPATIAL_PATCH_ROW, *CREEP_MAIN, CREEP_FURTHER[3])
 """PLANE_PATCH_ROW, SPATIAL_PATCH_ROW, ROLLING_PATCH_ROW: numbers of its patches, without stresses below."""
 
 
-def row_columns(quantities: Sequence[Quantity[WheelResult]]) -> tuple[str, ...]:
+def row_columns(quantities: Sequence[Quantity[Any]]) -> tuple[str, ...]:
     """Columns of a row of a campaign: position, and the numbers of both wheels."""
     names = column_names(quantities)
     return (*column_names(MOTION), *(f"{side}_{name}" for side in SIDES for name in names))

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import AnyWheelsetRun, PlaneWheelsetRun, SpatialWheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import AnyPatch, patch_name
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import box
@@ -60,13 +61,13 @@ WINDOW = 2.2
 """Half width of what is shown of stresses about a plane contact, in half widths of the contact."""
 
 
-def section_figure(run: WheelsetRun) -> Figure:
+def section_figure(run: AnyWheelsetRun) -> Figure:
     """Draw both sides in section with their pressures and forces."""
     highest = max((patch.max_pressure for patch in run.patches), default=1.0)
     figure, (both,) = panels(11.0, 5.9, 1, 2, run.case.units)
     for axes, side in zip(both, SIDES, strict=True):
         axes.grid(visible=False)
-        bodies = _outlines(run.space, side) if run.in_space is not None else _deformed(run.plane, side)
+        bodies = _deformed(run.result, side) if isinstance(run, PlaneWheelsetRun) else _outlines(run.result, side)
         for points in bodies:
             axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
         for points, normals, pressures in _pressures(run, side):
@@ -106,15 +107,15 @@ def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
     return rims
 
 
-def _pressures(run: WheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, Floats]]:
+def _pressures(run: AnyWheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Points (n, 2) under pressure, the rail's normals there, and the maximum pressures (n,) along the track."""
-    if run.in_space is None:
-        for patch in run.plane.patches:
+    if isinstance(run, PlaneWheelsetRun):
+        for patch in run.result.patches:
             if patch.side == side:
                 normal = patch.force_on_wheel_N / patch.normal_force_N
                 yield patch.points, np.broadcast_to(normal, patch.points.shape), patch.pressures
         return
-    state, mirror = run.space.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
+    state, mirror = run.result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
     values = state.cells.pressures.max(axis=1)
     loaded = np.flatnonzero(values > 0.0)
     if len(loaded):
@@ -145,25 +146,25 @@ def _draw_forces(axes: Axes, patches: Sequence[AnyPatch]) -> None:
         axes.text(end[0] + 1.5 * outer, end[1] + 1.0, text, fontsize=8.5, **ends)
 
 
-def contact_figure(run: WheelsetRun) -> Figure:
+def contact_figure(run: PlaneWheelsetRun) -> Figure:
     """Draw the von Mises stress about each contact of a plane wheelset, deformed, in true shape and scale."""
-    patches = run.plane.patches
+    patches = run.result.patches
     windows = [box([np.atleast_2d(patch.centre)], WINDOW * patch.half_width) for patch in patches]
-    figure, zones = stress_panels(list(drawn_parts(run.plane).values()), windows, run.case.units)
+    figure, zones = stress_panels(list(drawn_parts(run.result).values()), windows, run.case.units)
     for axes, name in zip(zones, run.patch_names, strict=True):
         axes.set_title(name, fontsize=10)
     return figure
 
 
-def nodes_figure(run: WheelsetRun) -> Figure:
+def nodes_figure(run: PlaneWheelsetRun) -> Figure:
     """Draw the nodes' pressures of a plane wheelset (Moherdaui 2021, Figure 63), beside Hertz's."""
-    named = zip(run.patch_names, run.plane.patches, strict=True)
+    named = zip(run.patch_names, run.result.patches, strict=True)
     return pressure_curves([(name, patch, patch.hertz) for name, patch in named], run.case.units)
 
 
-def patches_figure(run: WheelsetRun) -> Figure:
+def patches_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw the pressures of both sides from above, z ahead, with outlines and Hertz's ellipses, in one scale."""
-    maps = [patch_map(run.space, side) for side in SIDES]
+    maps = [patch_map(run.result, side) for side in SIDES]
     figure, both = maps_figure(maps, "across the rail, from its middle", "z ahead of the axle", run.case.units)
     for axes, side, shown in zip(both, SIDES, maps, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
@@ -176,15 +177,15 @@ def patches_figure(run: WheelsetRun) -> Figure:
     return figure
 
 
-def stresses_figure(run: WheelsetRun) -> Figure:
+def stresses_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
-    lines, units = lines_below(run.space), run.case.units
+    lines, units = lines_below(run.result), run.case.units
     several = len({role for _, role in lines}) > 1
     figure = new_figure(12.5, 0.7 + 3.3 * max(len(lines), 1), units)
     rows = figure.subplots(max(len(lines), 1), 3, squeeze=False)
     for row, (patch, role) in zip(rows, lines, strict=False):
         field = patch.stress_fields[role]
-        highest, shown = field.max_von_mises, patch_map(run.space, patch.side)
+        highest, shown = field.max_von_mises, patch_map(run.result, patch.side)
         at = field.nearest(highest.position)
         across, values = shown.across(field.along), field.von_mises
         deepest = min(field.depths[-1], DEPTH_OF_WIDTH * float(np.ptp(across)))
@@ -226,9 +227,9 @@ CAPTIONS = {
 }
 
 
-def rolling_pictures(run: WheelsetRun) -> list[Picture]:
+def rolling_pictures(run: SpatialWheelsetRun) -> list[Picture]:
     """Pictures of the patches that roll; none without friction."""
-    result, strength, units = run.space, run.space.yield_MPa, run.case.units
+    result, strength, units = run.result, run.result.yield_MPa, run.case.units
     # right of the track to the right, lengths from the middle of the rail's profile
     shown = [
         ShownRolling(
@@ -260,9 +261,9 @@ LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
 """What is drawn along the track, one panel each."""
 
 
-def rails_figure(run: WheelsetRun) -> Figure:
+def rails_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
-    rails, units = run.space.rails, run.case.units
+    rails, units = run.result.rails, run.case.units
     figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
     for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
         for side, rail in rails.items():
@@ -289,7 +290,7 @@ def rails_figure(run: WheelsetRun) -> Figure:
     return figure
 
 
-Described = tuple[str, Callable[[WheelsetRun], Figure], str]
+Described = tuple[str, Callable[[Any], Figure], str]
 """A picture: name of its file, what draws it, and its caption."""
 PICTURES: tuple[Described, ...] = (
     (
@@ -341,16 +342,16 @@ PLANE_PICTURES: tuple[Described, ...] = (
 """PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
 
 
-def wheelset_pictures(run: WheelsetRun) -> list[Picture]:
+def wheelset_pictures(run: AnyWheelsetRun) -> list[Picture]:
     """Pictures of a run: of the patches where there are some, of the rails where they bend, of friction with it."""
-    described = PLANE_PICTURES if run.in_space is None else PICTURES
+    described = PLANE_PICTURES if isinstance(run, PlaneWheelsetRun) else PICTURES
     # a search that found no equilibrium has no patches
     described = described[: None if run.patches else 1]
-    if run.in_space is None:
+    if isinstance(run, PlaneWheelsetRun):
         return _pictures(run, described)
-    rails = (RAILS_PICTURE,) if run.space.rails else ()
+    rails = (RAILS_PICTURE,) if run.result.rails else ()
     return [*_pictures(run, (*described, *rails)), *rolling_pictures(run)]
 
 
-def _pictures(run: WheelsetRun, described: Sequence[Described]) -> list[Picture]:
+def _pictures(run: AnyWheelsetRun, described: Sequence[Described]) -> list[Picture]:
     return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]

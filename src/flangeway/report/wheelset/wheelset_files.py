@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import SpatialWheelsetRun
 from flangeway.formats import write_vtu, write_vtu_grids
 from flangeway.mesh import PolyMesh
 from flangeway.railway.track.placements import SIDE_SIGN, Side
@@ -160,10 +160,10 @@ def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats
     return rail, wheel, gap.gaps < FAR_MM
 
 
-def below_table(run: WheelsetRun) -> str:
+def below_table(run: SpatialWheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
     rows: list[dict[str, object]] = []
-    for patch, role in lines_below(run.space):
+    for patch, role in lines_below(run.result):
         line = patch.lines[role]
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})

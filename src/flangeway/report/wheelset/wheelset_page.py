@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from flangeway.cases.wheelset.wheelset_case import WheelsetRun
+from flangeway.cases.wheelset.wheelset_case import AnyWheelsetRun, PlaneWheelsetRun, SpatialWheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_FURTHER,
@@ -35,7 +35,6 @@ from flangeway.cases.wheelset.wheelset_quantities import (
     SPATIAL_FURTHER,
     SPATIAL_MAIN,
     TRACK,
-    WheelResult,
     patch_name,
 )
 from flangeway.mesh import PolyMesh
@@ -93,9 +92,9 @@ BELOW_MM = (0.5, 1.0, 2.0, 3.0, 5.0, 8.0)
 MISES = "von_mises_MPa"
 
 
-def pressure_scene(run: WheelsetRun) -> Scene:
+def pressure_scene(run: SpatialWheelsetRun) -> Scene:
     """Running surfaces of both rails, raised where there is pressure, stresses below, and a view of each patch."""
-    patches = run.space.patches
+    patches = run.result.patches
     views = [View(patch_name(patch), (patch.centre_mm[0], patch.centre_mm[2]), PATCH_VIEW_MM) for patch in patches]
     note = (
         "Running surfaces of the rails in the track's axes: x to the right, z ahead of the axle, y up. For the eye "
@@ -103,15 +102,15 @@ def pressure_scene(run: WheelsetRun) -> Scene:
         "surface, without the rail's deflection. Pressures are means over the cells of the contact, as in the VTU "
         "files of the rails."
     )
-    z = np.concatenate([state.grid.grid.along for state in run.space.equilibrium.state.sides.values()])
+    z = np.concatenate([state.grid.grid.along for state in run.result.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
-    if run.space.rolling:
+    if run.result.rolling:
         note += " Tractions and slip velocities are shown by their sizes."
     note += (
         " Von Mises stresses are those of the rail below each cell, along the surface's normal: the largest one of all "
         "depths, and those at some depths; the VTU files of stresses have the volume."
     )
-    parts = [_part(run.space, side, ends, run.case.units) for side in SIDES]
+    parts = [_part(run.result, side, ends, run.case.units) for side in SIDES]
     return Scene(
         [part for part, _ in parts],
         parts[0][1],
@@ -199,9 +198,9 @@ def _with_coarse(fine: Floats, low: float, high: float) -> Floats:
 # --- Rails along the track: picture, table and CSV file.
 
 
-def rails_table(run: WheelsetRun) -> SummaryTable:
+def rails_table(run: SpatialWheelsetRun) -> SummaryTable:
     """Return maxima of both rails, with the places of the stresses."""
-    rails, units = run.space.rails, run.case.units
+    rails, units = run.result.rails, run.case.units
     quantities: list[Quantity[RailAlongTrack]] = [
         Quantity("down", "top of the rail down", lambda rail: -rail.head[:, 1].min(), "mm", ".3f"),
         Quantity("gauge", "gauge-face deflection", lambda rail: rail.gauge_outward_mm.max(), "mm", ".3f"),
@@ -223,11 +222,11 @@ def _peak(region: str, kind: str, part: int, rail: RailAlongTrack) -> Any:
     return rail.stresses.peak(region, getattr(rail.stresses, kind))[part]
 
 
-def rails_csv(run: WheelsetRun) -> str:
+def rails_csv(run: SpatialWheelsetRun) -> str:
     """Return both rails along the track as a CSV file, a row for each place."""
     names = "side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"
     rows = []
-    for side, rail in run.space.rails.items():
+    for side, rail in run.result.rails.items():
         table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, foot_stresses(rail)))
         rows += [(side, *row) for row in table.tolist()]
     columns = dict(zip(names.split(","), zip(*rows, strict=True), strict=True))
@@ -294,7 +293,7 @@ AXES = TRACK_AXES | {
 }
 
 
-def wheelset_record(run: WheelsetRun) -> Report:
+def wheelset_record(run: AnyWheelsetRun) -> Report:
     """Return what a run of a wheelset found."""
     shared = {
         "facts": wheelset_facts(run),
@@ -305,18 +304,18 @@ def wheelset_record(run: WheelsetRun) -> Report:
         "tables": _tables(run),
         "pictures": lambda: _pictures(run),
     }
-    if run.in_space is None:
+    if isinstance(run, PlaneWheelsetRun):
         return run_record(
             run,
             PLANE_FILES,
             GIVEN[:4],
             subtitle=f"{_what(run)}; plane strain, {run.problem.plane.thickness_mm:.4g} mm of length; {_method(run)}",
-            scene=lambda: wheelset_scene(list(part_fields(run.plane)), run.plane.patches),
+            scene=lambda: wheelset_scene(list(part_fields(run.result)), run.result.patches),
             axes=TRACK_AXES,
             files=lambda: _plane_files(run),
             **shared,
         )
-    rolls = bool(run.space.rolling)
+    rolls = bool(run.result.rolling)
     return run_record(
         run,
         FILES,
@@ -327,18 +326,18 @@ def wheelset_record(run: WheelsetRun) -> Report:
         chapters={"Rolling": _rolling_tables(run)} if rolls else {},
         axes=AXES | (ROLLING_AXES if rolls else {}),
         files=lambda: _files(run, {}),
-        with_sections=lambda: _files(run, {role: whole_sections(run.space, role) for role in ROLES}),
+        with_sections=lambda: _files(run, {role: whole_sections(run.result, role) for role in ROLES}),
         **shared,
     )
 
 
-def _pictures(run: WheelsetRun) -> Sequence[Picture]:
+def _pictures(run: AnyWheelsetRun) -> Sequence[Picture]:
     from flangeway.report.wheelset.wheelset_figures import wheelset_pictures  # noqa: PLC0415 (it loads Matplotlib)
 
     return wheelset_pictures(run)
 
 
-def _what(run: WheelsetRun) -> str:
+def _what(run: AnyWheelsetRun) -> str:
     """What was computed, in words: profiles, axle load, way and speed."""
     wheelset, track, case = run.problem.wheels, run.problem.track, run.case
     words = [f"Wheel {wheelset.wheel_of('right').title} on rail {track.rail_of('right').title}"]
@@ -353,7 +352,7 @@ def _what(run: WheelsetRun) -> str:
     return "; ".join(words)
 
 
-def _method(run: WheelsetRun) -> str:
+def _method(run: AnyWheelsetRun) -> str:
     problem = run.problem
     words = [
         f"{'linear' if problem.order_of(role) == 1 else 'quadratic'} "
@@ -364,26 +363,30 @@ def _method(run: WheelsetRun) -> str:
     return f"{elements}, the {problem.primary[0]}s are the primary surface"
 
 
-def wheelset_facts(run: WheelsetRun) -> list[tuple[str, str]]:
+def wheelset_facts(run: AnyWheelsetRun) -> list[tuple[str, str]]:
     """Return the most important numbers with units, and what they are."""
     units = run.case.units
     wheels = [wheel for wheel in run.wheels if wheel.lateral_over_vertical is not None]
     facts = [fact(RATIO, wheel, units, f"{wheel.side} wheel") for wheel in wheels]
-    facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
+    if isinstance(run, SpatialWheelsetRun):
+        words = {wheel.side: wheel.nadal_words for wheel in run.wheels if wheel.lateral_over_vertical is not None}
+        facts += [(text, f"Nadal's criterion, {side} wheel") for side, text in words.items() if text]
     facts.append(fact(LATERAL, run.result, units))
     facts += [fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)]
-    spatial = () if run.in_space is None else run.in_space.patches
+    spatial = run.result.patches if isinstance(run, SpatialWheelsetRun) else ()
     for patch in sorted(spatial, key=lambda patch: -patch.max_pressure)[:1]:
         name = patch_name(patch)
         if LOAD_FACTOR.value(patch) is not None:
             facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
         facts.append(fact(MAX_VON_MISES, patch, units, name))
-    if run.in_space is not None and run.space.rolling:
-        facts += [fact(quantity, run.space, units) for quantity in present(ROLLING, run.space) if quantity.key in SHOWN]
+    if isinstance(run, SpatialWheelsetRun) and run.result.rolling:
+        facts += [
+            fact(quantity, run.result, units) for quantity in present(ROLLING, run.result) if quantity.key in SHOWN
+        ]
     return facts
 
 
-def _of_wheels(quantities: Sequence[Quantity[WheelResult]], run: WheelsetRun) -> dict[str, dict[str, str]]:
+def _of_wheels(quantities: Sequence[Quantity[Any]], run: AnyWheelsetRun) -> dict[str, dict[str, str]]:
     """Texts of numbers of the wheels by names and sides."""
     units = run.case.units
     return {
@@ -394,25 +397,25 @@ def _of_wheels(quantities: Sequence[Quantity[WheelResult]], run: WheelsetRun) ->
     }
 
 
-def results_table(run: WheelsetRun) -> SummaryTable:
+def results_table(run: AnyWheelsetRun) -> SummaryTable:
     """Position, L/V of the wheels and patches, one column a patch; what is of a side is in its first column."""
     units, sides = run.case.units, [patch.side for patch in run.patches]
     position: Sequence[Quantity[Any]] = (LATERAL, APPROACH)
     quantities: Sequence[Quantity[Any]] = PLANE_MAIN
-    wheels: Sequence[Quantity[WheelResult]] = (RATIO, GAUGE_DEPTH)
-    if run.in_space is not None:
-        rolls = bool(run.space.rolling)
+    wheels: Sequence[Quantity[Any]] = (RATIO, GAUGE_DEPTH)
+    if isinstance(run, SpatialWheelsetRun):
+        rolls = bool(run.result.rolling)
         quantities = (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
-        position = (*MOTION[:1], *present([LATERAL_UNCERTAINTY], run.space), *MOTION[1:])
+        position = (*MOTION[:1], *present([LATERAL_UNCERTAINTY], run.result), *MOTION[1:])
         wheels = (RATIO, *(NADAL if rolls else ()), GAUGE, GAUGE_DEPTH)
     whole = dict(rows_of(position, run.result, units))
     table = table_across("Results", run.patch_names, run.patches, quantities, units=units)
     return with_whole(table, whole, sides, _of_wheels(wheels, run))
 
 
-def _tables(run: WheelsetRun) -> list[SummaryTable]:
+def _tables(run: AnyWheelsetRun) -> list[SummaryTable]:
     """Further numbers."""
-    units, result, in_space = run.case.units, run.result, run.in_space is not None
+    units, result, in_space = run.case.units, run.result, not isinstance(run, PlaneWheelsetRun)
     further = SPATIAL_FURTHER if in_space else PLANE_FURTHER
     position = (*MOTION, APPROACH)[3 if in_space else 1 :]
     rows = rows_of(position, result, units) + rows_of(TRACK, run.problem.track, units)
@@ -423,19 +426,19 @@ def _tables(run: WheelsetRun) -> list[SummaryTable]:
         SummaryTable("Track, position, load and equilibrium", ("", "value"), tuple(rows)),
         table_across("Wheels and rails", SIDES, run.wheels, run.wheel_quantities, units=units),
     ]
-    if not in_space:
-        tables.append(table_of("Bodies", run.plane.model.bodies, MESH))
-    elif run.space.rails:
+    if isinstance(run, PlaneWheelsetRun):
+        tables.append(table_of("Bodies", run.result.model.bodies, MESH))
+    elif run.result.rails:
         tables.append(rails_table(run))
     return tables if run.patches else tables[1:]
 
 
-def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
+def _rolling_tables(run: SpatialWheelsetRun) -> list[SummaryTable]:
     """Creep forces and power of the patches, and how the whole wheelset rolls."""
-    units, patches = run.case.units, run.space.patches
-    theory = run.space.rolling[0][1].theory
+    units, patches = run.case.units, run.result.patches
+    theory = run.result.rolling[0][1].theory
     caption = f"Rolling: creep forces by {theory}; the stresses below the patches include their tractions"
-    rows = rows_of(present(ROLLING, run.space), run.space, units)
+    rows = rows_of(present(ROLLING, run.result), run.result, units)
     for wheel in run.wheels:
         rows += rows_of([NADAL_WORDS], wheel, units, f"{wheel.side} wheel") if wheel.nadal_words else []
     return [
@@ -444,27 +447,27 @@ def _rolling_tables(run: WheelsetRun) -> list[SummaryTable]:
     ]
 
 
-def _files(run: WheelsetRun, sections: Mapping[Role, Mapping[Side, WholeSection]]) -> dict[str, Writer]:
+def _files(run: SpatialWheelsetRun, sections: Mapping[Role, Mapping[Side, WholeSection]]) -> dict[str, Writer]:
     """Return functions that write surfaces and tables, by the files' names."""
-    writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.space.patches, run.case.units).csv(DIGITS))}
-    if run.space.rails:
+    writers: dict[str, Writer] = {PATCHES: text_writer(columns(PATCH, run.result.patches, run.case.units).csv(DIGITS))}
+    if run.result.rails:
         writers[RAILS] = text_writer(rails_csv(run))
-    loaded = {patch.side for patch in run.space.patches}
+    loaded = {patch.side for patch in run.result.patches}
     for side, role in PARTS:
         name = f"{role}-{side}.vtu"
-        writers[name] = partial(write_surface, run.space, side, role)
+        writers[name] = partial(write_surface, run.result, side, role)
         if side in sections.get(role, {}):
             writers[f"section-{name}"] = partial(write_section, sections[role][side], side, role)
         if side in loaded:
-            writers[f"stresses-{name}"] = partial(write_stresses, run.space, side, role)
+            writers[f"stresses-{name}"] = partial(write_stresses, run.result, side, role)
     writers[COLLECTION] = collection([*writers])
     writers[BELOW] = text_writer(below_table(run))
     return writers
 
 
-def _plane_files(run: WheelsetRun) -> dict[str, Writer]:
+def _plane_files(run: PlaneWheelsetRun) -> dict[str, Writer]:
     """Return functions that write the fields, by the files' names."""
-    result = run.plane
+    result = run.result
     writers: dict[str, Writer] = {f"{name}.vtu": partial(write_part, result=result, name=name) for name in PLANE_PARTS}
     writers[CONTACT] = lambda path: write_contacts(
         path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PLANE_PARTS}
