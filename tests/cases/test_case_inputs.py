@@ -130,7 +130,10 @@ def test_superelevation_follows_the_curve(sign):
 def test_geometry_and_run_have_one_default_wheelset(name):
     """Profiles, gauge, wheels and load of `geometry` are those of `run wheelset`."""
     own, main = find_geometry_case(name, {}), Wheelset()
-    assert (own.track, own.wheels, own.load.weight_N) == (main.track, main.wheels, main.load.weight_N)
+    assert own.load.weight_N == main.load.weight_N
+    for rigid, elastic in ((own.track, main.track), (own.wheels, main.wheels)):
+        keys = set(type(rigid).model_fields) - {"left", "right"}
+        assert {key: getattr(rigid, key) for key in keys} == {key: getattr(elastic, key) for key in keys}
     assert own.forces.vertical_N == main.forces.vertical_N == 200e3
 
 
