@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
-from flangeway.cases.wheelset.wheelset_quantities import WheelResult
+from flangeway.cases.wheelset.wheelset_quantities import SpatialWheelResult
 from flangeway.contact.patch.patch_contact import CellForces
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.exact_rolling import roll
@@ -236,6 +236,6 @@ def test_nadals_criterion_is_that_of_the_wheel_whose_flange_touches():
         result = Mock(spec=SpatialResult, rolling=(1,))
         result.nadal_limit.return_value, result.flange_touches.return_value = 0.5, touches
         result.lateral_over_vertical.return_value = ratio
-        wheel = WheelResult(result, "right", [])
+        wheel = SpatialWheelResult(result, "right", [])
         assert wheel.nadal_fraction == (pytest.approx(ratio / 0.5) if touches else None)
         assert wheel.nadal_words == said
