@@ -15,13 +15,13 @@ import numpy as np
 from benchmarks.measurement import Measurement, best_time, fastest_in_turns, taken
 from benchmarks.peers import PeerMissingError, run_python
 from flangeway.elements import Lagrange
-from flangeway.exact import Rectangle
 from flangeway.geometry import rectangle
 from flangeway.mesh import PolyMesh, triangulate
 from flangeway.post import section_constants
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
+from flangeway_studies.torsion_bars import Rectangle
 
 SECTIONS = ((100.0, 50.0), (100.0, 10.0))  # mm
 TRIANGLES = 10_000

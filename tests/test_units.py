@@ -14,7 +14,7 @@ from flangeway.cases.rigid_run import find_geometry_case, read_geometry_case
 from flangeway.contact import NodeToSegment, Penalty
 from flangeway.elements import TraceStabilisation, Virtual
 from flangeway.errors import InputError
-from flangeway.exact import LineContact, ThickCylinder
+from flangeway.exact import LineContact
 from flangeway.geometry import Placement, circle, rectangle
 from flangeway.materials import Elastic, Orthotropic
 from flangeway.mesh import (
@@ -249,7 +249,6 @@ PLACES = {
     "order of wheelsets": lambda value: Mesh(order=value),
     "prescribed motion": lambda value: Position(lateral_mm=value),
     "force of a line contact": lambda value: LineContact(value, 1.0, 1.0),
-    "pressure in a cylinder": lambda value: ThickCylinder(1.0, 3.0, value),
 }
 MAY_BE_MISSING = {
     "expansion",

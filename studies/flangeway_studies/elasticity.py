@@ -17,7 +17,7 @@ from flangeway.cases.bodies.presets import (
     vertical_displacements,
 )
 from flangeway.elements import Lagrange
-from flangeway.exact import PlateWithHole, ThickCylinder
+from flangeway.exact import PlateWithHole
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
@@ -27,6 +27,7 @@ from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
 from flangeway_studies.study import Limit, Row, Run, published_rows
+from flangeway_studies.thick_cylinder import ThickCylinder
 
 PATCH_METHODS = ("FD", "VD", "VV", "HE")
 """Lagrange triangles, virtual triangles, virtual polygons, and Lagrange triangles inside with virtual quadrilaterals

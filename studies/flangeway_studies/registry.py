@@ -8,6 +8,7 @@ from flangeway_studies import (
     elasticity,
     forms,
     hertz,
+    polyhedra,
     rolling_study,
     spatial_study,
     torsion,
@@ -23,6 +24,7 @@ STUDIES = {
     for name, module in {
         "torsion": torsion,
         "elasticity": elasticity,
+        "polyhedra": polyhedra,
         "hertz": hertz,
         "contact-patch": contact_patch,
         "wheel-rail": wheel_rail_study,

@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 
 from flangeway.elements import Lagrange, Virtual
-from flangeway.exact import EquilateralTriangle, Rectangle
 from flangeway.geometry import polygon, square
 from flangeway.mesh import PolyMesh, dual, triangulate
 from flangeway.problems import Torsion
@@ -15,6 +14,7 @@ from flangeway.problems.torsion_problem import Formulation, Load
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
 from flangeway_studies.study import Row, Run, published_rows
+from flangeway_studies.torsion_bars import EquilateralTriangle, Rectangle
 
 TRIANGLE = EquilateralTriangle(2.0 / 3.0**0.25)
 SECTIONS = {

@@ -13,12 +13,12 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.geometry import Arc, Line, Outline
 from flangeway.post import PressurePatch
-from flangeway.railway.profiles.bundled import RailProfile, WheelProfile, wheel
-from flangeway.railway.profiles.flange_root import (
+from flangeway.railway.profiles.bundled import (
     IDENTIFIED,
     IDENTIFIED_RADIUS_MM,
-    with_flange_root,
-    with_wide_flange_root,
+    RailProfile,
+    WheelProfile,
+    wheel,
 )
 from flangeway.railway.track.placements import Track, WheelPair, WheelsetPosition
 from flangeway.railway.track.wheelset_loads import Load, Position
@@ -26,6 +26,7 @@ from flangeway.railway.track.wheelset_problem import Mesh, Plane, WheelsetProble
 from flangeway.railway.wheelset.plane_patch import WheelRailPatch
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult, solve_wheelset
 from flangeway.types import Floats, Progress
+from flangeway_studies.flange_root import with_flange_root, with_wide_flange_root
 from flangeway_studies.study import Limit, Published, Row, Run, published_rows
 
 # --- Tables 15 and 16: the published kind of computation, the flange root that one number identifies, and comparisons.

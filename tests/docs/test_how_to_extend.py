@@ -14,13 +14,13 @@ from scipy.optimize import brentq
 
 from flangeway import SegmentToSegment
 from flangeway.elements import Lagrange, Virtual
-from flangeway.exact import Rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.problems import Elasticity, PrescribedDisplacement, Torsion
 from flangeway.report import RECORDS
 from flangeway.solve import solve_nonlinear, solve_torsion
 from flangeway.space import Space
+from flangeway_studies.torsion_bars import Rectangle
 from tests.docs.conftest import DOCS, blocks_of
 
 MODULE = re.compile(r"Save this as `(\w+)\.py`[^\n]*\n\n```python\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)

@@ -29,6 +29,7 @@ FOLLOWED = (
     ("how-to/tree-of-inputs.md", {"toml": 1, "sh": 4, "text": 4, "python": 2}, 0.02, []),
     ("how-to/read-a-mesh.md", {"python": 4, "text": 3}, 0.05, []),
     ("how-to/refine-adaptively.md", {"python": 2, "text": 2}, 0.05, []),
+    ("how-to/polyhedra.md", {"python": 1, "text": 1}, 1e-3, []),
     ("how-to/nearly-incompressible.md", {"python": 3, "text": 3}, 0.05, []),
     ("how-to/bring-your-profile.md", {"python": 2, "sh": 7, "text": 2, "toml": 1}, 0.02, []),
     ("how-to/write-a-case-file.md", {"toml": 5, "inp": 1, "sh": 7, "text": 4, "python": 2}, 0.01, ["flangeway: cyl"]),

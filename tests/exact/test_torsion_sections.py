@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.elements import polygon_quadrature
 from flangeway.errors import InputError
-from flangeway.exact import (
+from flangeway_studies.torsion_bars import (
     CircularSector,
     Ellipse,
     EquilateralTriangle,

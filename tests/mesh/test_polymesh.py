@@ -166,7 +166,7 @@ def mesh_with(**changes):
         (lambda: mesh_with(points=[[np.nan, 0.0]] * 5), "row 0"),
         (lambda: mesh_with(cell_points=[0, 1, 2, 3, 5]), "from 0 to 5"),
         (lambda: mesh_with(cell_points=[0.0, 1.0, 2.0, 3.0, 4.0]), "float64"),
-        (lambda: mesh_with(cell_offsets=[0, 2, 5]), "cell 0 with 2 points"),
+        (lambda: mesh_with(cell_offsets=[0, 2, 5]), "row 0 with 2 entries"),
         (lambda: mesh_with(cell_offsets=[0, 4]), "cell_offsets"),
         (lambda: mesh_with(cell_offsets=[0]), "cell_offsets"),
         (lambda: mesh_with(cell_sets={"a": [1]}), "cell set 'a'"),

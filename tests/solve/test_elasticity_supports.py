@@ -124,7 +124,7 @@ AXI = Elastic(1.0, 0.3, "axisymmetric")
         (lambda: problem(loads=[Gravity((0.0, -9.81))]), "density"),
         (lambda: Traction("right", 5.0), "two finite numbers"),
         (lambda: Pressure("right", (1.0, 2.0)), "a finite number"),
-        (lambda: PrescribedDisplacement("left"), "without x and y"),
+        (lambda: PrescribedDisplacement("left"), "without x, y and z"),
         (lambda: PrescribedDisplacement((0.0,), x=0.0), r"a point \(x, y\)"),
         (lambda: Spring("left"), "one of them positive"),
         (lambda: RigidHandle("top", y=0.1, force=(0.0, 1.0)), "force y"),

@@ -5,13 +5,13 @@ import pytest
 
 from flangeway.elements import Lagrange, NoStabilisation, Virtual
 from flangeway.errors import InputError
-from flangeway.exact import Ellipse, EquilateralTriangle, Rectangle
 from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.post import corner_shear_stresses, error_norms, section_constants, shear_stresses
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space, interpolate
+from flangeway_studies.torsion_bars import Ellipse, EquilateralTriangle, Rectangle
 
 TRIANGLE = EquilateralTriangle(1.5)
 TRIANGLE_MESH = triangulate(polygon(TRIANGLE.corners), size=0.3)

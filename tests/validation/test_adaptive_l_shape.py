@@ -5,13 +5,13 @@ import pytest
 
 from flangeway.elements import Element, Virtual
 from flangeway.errors import InputError
-from flangeway.exact.hole_and_notch import EXPONENT, Notch
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, check, dual, rectangle_grid, refined
 from flangeway.post.recovery import adapt, recovered_stresses, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
+from tests.validation.notch import EXPONENT, Notch
 
 MATERIAL = Elastic(1.0, 0.3)
 EXACT = Notch(shear_modulus=1.0 / 2.6, kolosov=3.0 - 4.0 * 0.3)

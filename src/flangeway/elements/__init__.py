@@ -3,6 +3,7 @@
 from flangeway.elements.cell_matrices import CellMatrices, cell_matrices
 from flangeway.elements.lagrange import Lagrange
 from flangeway.elements.monomials import Frame
+from flangeway.elements.polyhedra import Polyhedra, PolyhedralCells
 from flangeway.elements.quadrature import polygon_quadrature
 from flangeway.elements.reconstruction import (
     DiagonalStabilisation,
@@ -28,6 +29,8 @@ __all__ = [
     "IdentityStabilisation",
     "Lagrange",
     "NoStabilisation",
+    "Polyhedra",
+    "PolyhedralCells",
     "Reconstruction",
     "Serendipity",
     "SpectralStabilisation",

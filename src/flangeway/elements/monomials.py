@@ -1,68 +1,77 @@
-"""Monomials in a cell's own coordinates, their derivatives and exact integrals.
+"""Monomials of two or three variables in a cell's own coordinates, their derivatives and exact integrals.
 
 A cell has a *frame*: the affine map ``xi = map @ (x - origin)``. The monomials are ordered by degree,
-``1, xi, eta, xi^2, xi eta, eta^2, ...`` (Beirao da Veiga et al., 2014, "The Hitchhiker's guide to the
-virtual element method", section 3, with another frame).
+``1, xi, eta, xi^2, xi eta, eta^2, ...``, or ``1, xi, eta, zeta, xi^2, xi eta, xi zeta, eta^2, ...`` (Beirao da Veiga et
+al., 2014, "The Hitchhiker's guide to the virtual element method", section 3, with another frame). The number of
+variables d is 2 unless an argument says 3.
 """
 
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import product
+from math import comb, factorial
 
 import numpy as np
 
 from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import gauss
-from flangeway.types import Floats, Ints
+from flangeway.types import Floats, Ints, floats
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
     """Local coordinates of a batch of cells: ``xi = map @ (x - origin)``."""
 
-    origin: Floats  # centroids, (2, n_cells)
-    map: Floats  # linear maps from space to local coordinates, (2, 2, n_cells)
+    origin: Floats  # centroids, (d, n_cells)
+    map: Floats  # linear maps from space to local coordinates, (d, d, n_cells)
 
     def local(self, points: Floats) -> Floats:
-        """Local coordinates of points in space, both of shape (..., 2, n_cells)."""
-        shifted = points - self.origin
-        x, y = shifted[..., 0, :], shifted[..., 1, :]
-        map_ = self.map
-        return np.stack((map_[0, 0] * x + map_[0, 1] * y, map_[1, 0] * x + map_[1, 1] * y), axis=-2)
+        """Local coordinates of points in space, both of shape (..., d, n_cells)."""
+        shifted = np.moveaxis(points - self.origin, -2, 0)
+        # xi_i = sum_j map_ij (x_j - origin_j)
+        products = ([factor * x for factor, x in zip(row, shifted, strict=True)] for row in self.map)
+        return np.stack([sum(others, first) for first, *others in products], axis=-2)
 
     @property
     def determinant(self) -> Floats:
-        """Signed area in local coordinates per area in space, (n_cells,)."""
-        return cross(*self.map)
+        """Signed area or volume in local coordinates per area or volume in space, (n_cells,)."""
+        return cross(*self.map) if len(self.map) == 2 else np.linalg.det(np.moveaxis(self.map, -1, 0))
 
     @cached_property
     def inverse(self) -> Floats:
-        """Linear maps from local coordinates to space, (2, 2, n_cells)."""
+        """Linear maps from local coordinates to space, (d, d, n_cells)."""
+        if len(self.map) == 3:
+            return np.moveaxis(floats(np.linalg.inv(np.moveaxis(self.map, -1, 0))), 0, -1)
         (a, b), (c, d) = self.map
         return np.array([[d, -b], [-c, a]]) / self.determinant
 
 
-def n_monomials(degree: int) -> int:
-    """Dimension of the polynomials of two variables of a degree; 0 below degree 0."""
-    return (degree + 1) * (degree + 2) // 2 if degree >= 0 else 0
+def n_monomials(degree: int, dimension: int = 2) -> int:
+    """Number of the polynomials' monomials of two or three variables of a degree; 0 below degree 0."""
+    return comb(degree + dimension, dimension) if degree >= 0 else 0
 
 
 @cache
-def exponents(degree: int) -> Ints:
-    """Exponents of the monomials up to a degree, shape (n_monomials, 2)."""
-    pairs = [(total - j, j) for total in range(degree + 1) for j in range(total + 1)]
-    table = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+def exponents(degree: int, dimension: int = 2) -> Ints:
+    """Exponents of the monomials up to a degree, shape (n_monomials, d)."""
+    powers = product(range(degree, -1, -1), repeat=dimension)
+    table = np.array(sorted((p for p in powers if sum(p) <= degree), key=sum), dtype=np.int64).reshape(-1, dimension)
     table.setflags(write=False)
     return table
 
 
 def index(powers: Ints) -> Ints:
-    """Position of monomials in the order of `exponents`; ``powers`` has shape (..., 2)."""
-    total = powers.sum(axis=-1)
-    return total * (total + 1) // 2 + powers[..., 1]
+    """Position of monomials in the order of `exponents`; ``powers`` has shape (..., d)."""
+    dimension, position = powers.shape[-1], np.zeros(powers.shape[:-1], dtype=np.int64)
+    for first in range(dimension):
+        # before it are those of a lower degree than t in the n variables from this one on: binomial(t + n - 1, n)
+        total, n = powers[..., first:].sum(axis=-1), dimension - first
+        position += np.prod([total + i for i in range(n)], axis=0) // factorial(n)
+    return position
 
 
 def evaluate(degree: int, local: Floats) -> Floats:
-    """Values of all monomials at local points of shape (..., 2, n_cells).
+    """Values of all monomials at local points of shape (..., d, n_cells).
 
     Returns
     -------
@@ -70,29 +79,31 @@ def evaluate(degree: int, local: Floats) -> Floats:
         Shape (n_monomials, ..., n_cells).
 
     """
-    xi, eta = local[..., 0, :], local[..., 1, :]
-    values = np.empty((n_monomials(degree), *xi.shape))
+    dimension = local.shape[-2]
+    values = np.empty((n_monomials(degree, dimension), *local.shape[:-2], local.shape[-1]))
     values[0] = 1.0
     for total in range(1, degree + 1):
-        start, previous = n_monomials(total - 1), n_monomials(total - 2)
-        values[start : start + total] = values[previous : previous + total] * xi
-        values[start + total] = values[previous + total - 1] * eta
+        start = end = n_monomials(total - 1, dimension)
+        for axis in range(dimension):  # times those of one degree less that have no variable before this one
+            n = comb(total + dimension - axis - 2, total - 1)
+            np.multiply(values[end - n : end], local[..., axis, :], out=values[start : start + n])
+            start += n
     return values
 
 
 @cache
-def derivatives(degree: int) -> Floats:
+def derivatives(degree: int, dimension: int = 2) -> Floats:
     """Matrices of the local derivatives: coefficients of degree k to those of degree k - 1.
 
     Returns
     -------
     Floats
-        Shape (2, n_monomials(degree - 1), n_monomials(degree)); first axis: by xi, by eta.
+        Shape (d, n_monomials(degree - 1), n_monomials(degree)); first axis: by xi, by eta, by zeta.
 
     """
-    powers = exponents(degree)
-    matrices = np.zeros((2, n_monomials(degree - 1), len(powers)))
-    for axis in (0, 1):
+    powers = exponents(degree, dimension)
+    matrices = np.zeros((dimension, n_monomials(degree - 1, dimension), len(powers)))
+    for axis in range(dimension):
         columns = np.flatnonzero(powers[:, axis] > 0)
         lowered = powers[columns].copy()
         lowered[:, axis] -= 1
@@ -102,15 +113,13 @@ def derivatives(degree: int) -> Floats:
 
 
 @cache
-def derivative_entries(degree: int) -> tuple[tuple[Ints, Floats], tuple[Ints, Floats]]:
-    """The only entry in each row of both matrices of `derivatives`: its column and its value.
+def derivative_entries(degree: int, dimension: int = 2) -> tuple[tuple[Ints, Floats], ...]:
+    """The only entry in each row of the matrices of `derivatives`: its column and its value.
 
-    Row a of the derivative by xi or eta comes from one monomial of degree k: ``(columns, factors)``, each of
+    Row a of the derivative by xi, eta or zeta comes from one monomial of degree k: ``(columns, factors)``, each of
     shape (n_monomials(degree - 1),).
     """
-    by_xi, by_eta = derivatives(degree)
-    columns = by_xi.argmax(axis=1), by_eta.argmax(axis=1)
-    return (columns[0], by_xi.max(axis=1)), (columns[1], by_eta.max(axis=1))
+    return tuple((matrix.argmax(axis=1), matrix.max(axis=1)) for matrix in derivatives(degree, dimension))
 
 
 def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
@@ -146,12 +155,12 @@ def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
 
 
 @cache
-def _product_table(degree: int) -> Ints:
-    powers = exponents(degree)
+def _product_table(degree: int, dimension: int) -> Ints:
+    powers = exponents(degree, dimension)
     return index(powers[:, None, :] + powers[None, :, :])
 
 
-def mass(degree: int, moments: Floats) -> Floats:
+def mass(degree: int, moments: Floats, dimension: int = 2) -> Floats:
     """Integrals of all products of two monomials.
 
     Parameters
@@ -167,4 +176,4 @@ def mass(degree: int, moments: Floats) -> Floats:
         Shape (n_monomials(degree), n_monomials(degree), n_cells).
 
     """
-    return moments[_product_table(degree)]
+    return moments[_product_table(degree, dimension)]

@@ -1,5 +1,6 @@
 """The integrals behind the projections of virtual elements, and polynomials on curved edges of cells."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,15 +15,101 @@ from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class Polygons:
-    """Geometry of a batch of polygons and the monomials' integrals over them."""
+class CellGeometry(ABC):
+    """Geometry of a batch of polygons or polyhedra and the monomials' integrals over them."""
 
     order: int  # order k of the element
     frame: Frame  # local coordinates of the monomials
-    local: Floats  # vertices in local coordinates, (n_vertices, 2, n_cells)
-    normals: Floats  # outward normals in space times the lengths of the edges, (n_vertices, 2, n_cells)
+    local: Floats  # vertices in local coordinates, (n_vertices, d, n_cells)
+    normals: Floats  # outward normals in space times lengths of edges, or see `Polyhedra`, (n_vertices, d, n_cells)
     moments: Floats  # integrals of the monomials up to degree 2 k, (n_monomials(2 k), n_cells)
     inner: Floats | None = field(default=None, kw_only=True)  # see `inner_factor`
+
+    @abstractmethod
+    def boundary_values(self) -> Floats:
+        """Monomials of degree k at the boundary's degrees of freedom, (n_monomials(k), n, n_cells)."""
+
+    @abstractmethod
+    def gradient_moments(self, boundary: Floats) -> Floats:
+        """Integrals of the basis functions' gradients times the monomials of degree k - 1.
+
+        - `boundary`: of `boundary_values`.
+
+        Returned: shape (n_monomials(k - 1), d, n_local, n_cells).
+        """
+
+    @property
+    def n_boundary(self) -> int:
+        """Degrees of freedom on the boundary of a cell."""
+        return self.order * len(self.local)
+
+    def monomial_dofs(self, boundary: Floats) -> Floats:
+        """Degrees of freedom of the monomials, matrix D (Moherdaui 2021, 3.64), (n_local, n_monomials(k), n_cells)."""
+        n_inner = n_monomials(self.order - 2, len(self.frame.map))
+        if not n_inner:
+            return np.ascontiguousarray(boundary.swapaxes(0, 1))
+        means = monomials.mass(self.order, self.moments, len(self.frame.map))[:n_inner] / self.moments[0]
+        if self.inner is not None:
+            batched.solve_lower(self.inner, means, out=means)
+        return np.concatenate((boundary.swapaxes(0, 1), means))
+
+    def energy_matrices(self, gradient_moments: Floats) -> tuple[Floats, Floats]:
+        """Gradient products of the monomials from degree 1, and of these with the basis functions.
+
+        These are the matrices G and B without their first rows (Moherdaui 2021, 3.56, 3.60): shapes
+        (n, n, n_cells) and (n, n_local, n_cells) with ``n = n_monomials(k) - 1``.
+        """
+        order, map_, dimension = self.order, self.frame.map, len(self.frame.map)
+        # the metric of the frame: grad m . grad m' = (map^T d m) . (map^T d m')
+        metric = np.einsum("jie,kie->jke", map_, map_)
+        mass = monomials.mass(order - 1, self.moments, dimension)
+        # each derivative of a monomial is a multiple of one monomial: sums are gathers with factors
+        entries = monomials.derivative_entries(order, dimension)
+        n = n_monomials(order, dimension)
+        gram = np.zeros((n, n, mass.shape[-1]))
+        rhs = np.zeros((n, *gradient_moments.shape[2:]))
+        for j, (columns, factors) in enumerate(entries):
+            for k, (other_columns, other_factors) in enumerate(entries):
+                products = mass * (np.outer(factors, other_factors)[:, :, None] * metric[j, k])
+                gram[columns[:, None], other_columns] += products
+            along = gradient_moments[:, 0] * map_[j, 0]
+            for axis in range(1, dimension):
+                along += gradient_moments[:, axis] * map_[j, axis]
+            rhs[columns] += factors[:, None, None] * along
+        return gram[1:, 1:], rhs[1:]
+
+    def means(self) -> Floats:
+        """The functional that fixes the constant: vertex average (k = 1) or mean, shape (n_local,)."""
+        mean = np.zeros(self.n_boundary + n_monomials(self.order - 2, len(self.frame.map)))
+        if self.order == 1:
+            mean[:] = 1.0 / self.n_boundary
+        else:
+            mean[self.n_boundary] = 1.0
+        return mean
+
+    def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> tuple[Floats, Floats]:
+        """Energy projection and the integrals that it is made of (Moherdaui 2021, 3.60, 3.62).
+
+        Returns
+        -------
+        tuple of Floats
+            Coefficients of the projection, (n_monomials(k), n_local, n_cells), and the gradient products of the
+            monomials from degree 1 with the basis functions, (n_monomials(k) - 1, n_local, n_cells).
+
+        """
+        gram, rhs = self.energy_matrices(gradient_moments)
+        value = np.empty((len(gram) + 1, *rhs.shape[1:]))
+        batched.solve(gram, rhs, out=value[1:])
+        mean = self.means()
+        of_monomials = np.einsum("i,iae->ae", mean, monomial_dofs[:, 1:])
+        np.einsum("ae,aie->ie", of_monomials, value[1:], out=value[0])
+        np.subtract(mean[:, None], value[0], out=value[0])
+        return value, rhs
+
+
+@dataclass(frozen=True, eq=False)
+class Polygons(CellGeometry):
+    """Geometry of a batch of polygons."""
 
     @classmethod
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
@@ -32,11 +119,6 @@ class Polygons:
         moments = monomials.integrals(2 * order, local, 1.0 / frame.determinant)
         return cls(order, frame, local, normals, moments)
 
-    @property
-    def n_boundary(self) -> int:
-        """Degrees of freedom on the boundary of a cell."""
-        return self.order * len(self.local)
-
     def boundary_values(self) -> Floats:
         """Monomials of degree k at the boundary's degrees of freedom, (n_monomials(k), n, n_cells)."""
         start, end = self.local, np.roll(self.local, -1, axis=0)
@@ -44,16 +126,6 @@ class Polygons:
         on_edges = start[:, None] + inner * (end - start)[:, None]
         points = np.concatenate((self.local, on_edges.reshape(-1, 2, self.local.shape[-1])))
         return monomials.evaluate(self.order, points)
-
-    def monomial_dofs(self, boundary: Floats) -> Floats:
-        """Degrees of freedom of the monomials, matrix D (Moherdaui 2021, 3.64), (n_local, n_monomials(k), n_cells)."""
-        n_inner = n_monomials(self.order - 2)
-        if not n_inner:
-            return np.ascontiguousarray(boundary.swapaxes(0, 1))
-        means = monomials.mass(self.order, self.moments)[:n_inner] / self.moments[0]
-        if self.inner is not None:
-            batched.solve_lower(self.inner, means, out=means)
-        return np.concatenate((boundary.swapaxes(0, 1), means))
 
     def gradient_moments(self, boundary: Floats) -> Floats:
         """Integrals of the basis functions' gradients times the monomials of degree k - 1.
@@ -82,57 +154,6 @@ class Polygons:
                 in_space = np.einsum("aige,ghe->aihe", in_space, self.inner)
             moments[:, :, self.n_boundary :] = -in_space * self.moments[0]
         return moments
-
-    def energy_matrices(self, gradient_moments: Floats) -> tuple[Floats, Floats]:
-        """Gradient products of the monomials from degree 1, and of these with the basis functions.
-
-        These are the matrices G and B without their first rows (Moherdaui 2021, 3.56, 3.60): shapes
-        (n, n, n_cells) and (n, n_local, n_cells) with ``n = n_monomials(k) - 1``.
-        """
-        order, map_ = self.order, self.frame.map
-        # the metric of the frame: grad m . grad m' = (map^T d m) . (map^T d m')
-        metric = np.einsum("jie,kie->jke", map_, map_)
-        mass = monomials.mass(order - 1, self.moments)
-        # each derivative of a monomial is a multiple of one monomial: sums are gathers with factors
-        entries = monomials.derivative_entries(order)
-        n = n_monomials(order)
-        gram = np.zeros((n, n, mass.shape[-1]))
-        rhs = np.zeros((n, *gradient_moments.shape[2:]))
-        for j, (columns, factors) in enumerate(entries):
-            for k, (other_columns, other_factors) in enumerate(entries):
-                products = mass * (np.outer(factors, other_factors)[:, :, None] * metric[j, k])
-                gram[columns[:, None], other_columns] += products
-            along = gradient_moments[:, 0] * map_[j, 0] + gradient_moments[:, 1] * map_[j, 1]
-            rhs[columns] += factors[:, None, None] * along
-        return gram[1:, 1:], rhs[1:]
-
-    def means(self) -> Floats:
-        """The functional that fixes the constant: vertex average (k = 1) or mean, shape (n_local,)."""
-        mean = np.zeros(self.n_boundary + n_monomials(self.order - 2))
-        if self.order == 1:
-            mean[:] = 1.0 / self.n_boundary
-        else:
-            mean[self.n_boundary] = 1.0
-        return mean
-
-    def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> tuple[Floats, Floats]:
-        """Energy projection and the integrals that it is made of (Moherdaui 2021, 3.60, 3.62).
-
-        Returns
-        -------
-        tuple of Floats
-            Coefficients of the projection, (n_monomials(k), n_local, n_cells), and the gradient products of the
-            monomials from degree 1 with the basis functions, (n_monomials(k) - 1, n_local, n_cells).
-
-        """
-        gram, rhs = self.energy_matrices(gradient_moments)
-        value = np.empty((len(gram) + 1, *rhs.shape[1:]))
-        batched.solve(gram, rhs, out=value[1:])
-        mean = self.means()
-        of_monomials = np.einsum("i,iae->ae", mean, monomial_dofs[:, 1:])
-        np.einsum("ae,aie->ie", of_monomials, value[1:], out=value[0])
-        np.subtract(mean[:, None], value[0], out=value[0])
-        return value, rhs
 
 
 def inner_factor(order: int, moments: Floats) -> Floats | None:

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class Reconstruction:
         Degrees of freedom of the monomials of degree k, shape (n_local, n_monomials(k), n_cells).
     gradient_moments
         Integrals of the gradient times the monomials of degree k - 1, in the axes of space,
-        shape (n_monomials(k - 1), 2, n_local, n_cells). None if every discrete function is a polynomial
+        shape (n_monomials(k - 1), d, n_local, n_cells). None if every discrete function is a polynomial
         of degree k, so that nothing is left to project or to stabilise.
     energy_moments
         Integrals of the gradient times those of the monomials from degree 1, the matrix B of Moherdaui (2021, 3.60)
@@ -81,7 +81,12 @@ class Reconstruction:
     @property
     def n_interior(self) -> int:
         """Number of local degrees of freedom inside the cell, which are the last ones; of virtual elements."""
-        return n_monomials(self.order - 2)
+        return n_monomials(self.order - 2, self.dimension)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates, 2 or 3."""
+        return len(self.frame.map)
 
     @property
     def n_local(self) -> int:
@@ -90,25 +95,25 @@ class Reconstruction:
 
     @property
     def areas(self) -> Floats:
-        """Areas of the cells, shape (n_cells,)."""
+        """Areas of the cells, volumes of those in space, shape (n_cells,)."""
         return self.moments[0]
 
     @cached_property
     def mass(self) -> Floats:
         """Integrals of products of the monomials of degree k - 1, shape (n, n, n_cells)."""
-        return monomials.mass(self.order - 1, self.moments)
+        return monomials.mass(self.order - 1, self.moments, self.dimension)
 
     @cached_property
     def value_gradient(self) -> Floats:
         """Coefficients of the gradient of `value`, degree k - 1, shape as `gradient`."""
-        (first, first_factors), (second, second_factors) = monomials.derivative_entries(self.order)
-        map_ = self.frame.map
-        by_xi = self.value[first] * first_factors[:, None, None]
-        by_eta = self.value[second] * second_factors[:, None, None]
-        gradient = np.empty((len(first), 2, *self.value.shape[1:]))
-        for axis in range(2):
-            np.multiply(by_xi, map_[0, axis], out=gradient[:, axis])
-            gradient[:, axis] += by_eta * map_[1, axis]
+        # d_i v = sum_j map_ji (derivative of v by the local coordinate j)
+        entries = monomials.derivative_entries(self.order, self.dimension)
+        local = [self.value[columns] * factors[:, None, None] for columns, factors in entries]
+        gradient = np.empty((len(local[0]), self.dimension, *self.value.shape[1:]))
+        for axis in range(self.dimension):
+            np.multiply(local[0], self.frame.map[0, axis], out=gradient[:, axis])
+            for derivative, row in zip(local[1:], self.frame.map[1:], strict=True):
+                gradient[:, axis] += derivative * row[axis]
         return gradient
 
     def value_energy(self, moduli: Floats) -> Floats:
@@ -133,7 +138,7 @@ class Reconstruction:
         Returns
         -------
         Floats
-            Shape (n_monomials(k - 1), 2, n_local, n_cells).
+            Shape (n_monomials(k - 1), d, n_local, n_cells).
 
         """
         moments = self.gradient_moments
@@ -152,11 +157,11 @@ class Reconstruction:
         """
         if self.exact or (self.order <= 2 and self.value_moments is None):
             return self.value
-        mass = monomials.mass(self.order, self.moments)
+        mass = monomials.mass(self.order, self.moments, self.dimension)
         if self.value_moments is not None:
             return batched.solve(mass, self.value_moments)
         rhs = np.einsum("abe,bme->ame", mass, self.value)
-        n_inner = n_monomials(self.order - 2)
+        n_inner = n_monomials(self.order - 2, self.dimension)
         rhs[:n_inner] = 0.0
         rhs[:n_inner, self.n_local - n_inner :] = self.inner_moments
         return batched.solve(mass, rhs)
@@ -168,8 +173,9 @@ class Reconstruction:
         return factor * self.areas
 
     def coordinate_dofs(self) -> Floats:
-        """Degrees of freedom of the coordinates x and y about the cells' origins, (n_local, 2, n_cells)."""
-        return np.einsum("iae,xae->ixe", self.monomial_dofs[:, 1:3], self.frame.inverse)
+        """Degrees of freedom of the coordinates about the cells' origins, (n_local, d, n_cells)."""
+        linear = self.monomial_dofs[:, 1 : 1 + self.dimension]
+        return np.einsum("iae,xae->ixe", linear, self.frame.inverse)
 
     def at(self, points: Floats) -> Floats:
         """Values of the monomials of degree k at points (..., 2, n_cells), shape (n, ..., n_cells)."""
@@ -182,6 +188,8 @@ class Element(ABC):
     order: int
     curved: ClassVar[bool] = False
     """Whether cells may have curved edges: arrays of vertices may then be outlines, (n_vertices, order, 2, n_cells)."""
+    spatial: ClassVar[bool] = False
+    """Whether cells may be polyhedra, at order 1."""
 
     @abstractmethod
     def n_interior(self) -> int:
@@ -196,13 +204,13 @@ class Element(ABC):
         return self.order == 1 and n_vertices == 3
 
     @abstractmethod
-    def reconstruct(self, vertices: Floats) -> Reconstruction:
+    def reconstruct(self, vertices: Any) -> Reconstruction:
         """Reconstruct on cells with the same number of vertices.
 
         Parameters
         ----------
         vertices
-            Counter-clockwise vertices, shape (n_vertices, 2, n_cells).
+            Counter-clockwise vertices, shape (n_vertices, 2, n_cells); of a `spatial` element also `Polyhedra`.
 
         Returns
         -------
@@ -309,7 +317,7 @@ def mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
     linear = reconstruction.coordinate_dofs()
     forces = np.einsum("ccmne,nxe->mxe", consistency, linear)
     energy = np.einsum("mxe,mxe->e", linear, forces)
-    return energy / (2.0 * len(consistency) * reconstruction.areas)
+    return energy / (float(reconstruction.dimension * len(consistency)) * reconstruction.areas)
 
 
 @dataclass(frozen=True)
@@ -398,7 +406,8 @@ class SpectralStabilisation(_WithFactor):
         n_components, order = len(consistency), reconstruction.order
         diagonal = np.einsum("cciie->ie", consistency) / n_components
         n_boundary = reconstruction.n_local - reconstruction.n_interior
-        n_strains = n_components * n_monomials(order) - n_components * (n_components + 1) // 2
+        n_polynomials = n_monomials(order, reconstruction.dimension)
+        n_strains = n_components * n_polynomials - n_components * (n_components + 1) // 2
         mean = diagonal[:n_boundary].sum(axis=0) * (n_components / n_strains)
         return _weighted_missed(reconstruction, np.maximum(diagonal, self.factor * mean))
 

@@ -8,7 +8,14 @@ import numpy as np
 from flangeway.checks import check_integer, check_kind
 from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import n_monomials
-from flangeway.elements.projection import CurvedPolygons, Polygons, inner_factor, outline_frame, principal_frame
+from flangeway.elements.projection import (
+    CellGeometry,
+    CurvedPolygons,
+    Polygons,
+    inner_factor,
+    outline_frame,
+    principal_frame,
+)
 from flangeway.elements.quadrature import edge_shapes, edge_unknowns, gauss, polygon_quadrature
 from flangeway.elements.reconstruction import (
     Element,
@@ -19,7 +26,7 @@ from flangeway.elements.reconstruction import (
     Stabilisation,
 )
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import steps_around
+from flangeway.geometry.arrays import point_text, steps_around
 from flangeway.types import Floats, Ints
 
 # --- The virtual element of order k on simple polygons (Moherdaui 2021, 3.3.1 to 3.3.5 and 3.3.7).
@@ -64,6 +71,7 @@ class Virtual(Element):
     order: int
     stabilisation: Stabilisation | None = None
     curved: ClassVar[bool] = True
+    spatial: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         allowed = f"orders 1 to {HIGHEST_ORDER}; above, monomials lose too many digits"
@@ -80,8 +88,8 @@ class Virtual(Element):
         if n_vertices < 3:
             raise InputError(f"a cell with {n_vertices} vertices", "3 or more", "check the mesh")
 
-    def reconstruct(self, vertices: Floats) -> Reconstruction:
-        """Project on each polygon; an `InputError` where round-off takes the digits; see `Element.reconstruct`."""
+    def reconstruct(self, vertices: Floats | CellGeometry) -> Reconstruction:
+        """Project on each cell; an `InputError` where round-off takes the digits; see `Element.reconstruct`."""
         cells = self._cells(vertices)
         boundary = cells.boundary_values()
         gradient_moments = cells.gradient_moments(boundary)
@@ -92,26 +100,29 @@ class Virtual(Element):
             self.order, cells.frame, value, cells.moments, dofs, gradient_moments, energy_moments, inner=cells.inner
         )
 
-    def _refuse_lost_digits(self, cells: Polygons, value: Floats, dofs: Floats) -> None:
+    def _refuse_lost_digits(self, cells: CellGeometry, value: Floats, dofs: Floats) -> None:
         """Refuse cells whose projection (n, n_local, n_cells) does not keep the linear functions of the frame."""
-        linear = np.einsum("aie,ixe->axe", value, dofs[:, 1:3])
-        linear[1:3] -= np.eye(2)[:, :, None]
-        products = np.einsum("abe,bxe->axe", monomials.mass(self.order, cells.moments), linear)
+        d = len(cells.frame.map)
+        linear = np.einsum("aie,ixe->axe", value, dofs[:, 1 : 1 + d])
+        linear[1 : 1 + d] -= np.eye(d)[:, :, None]
+        products = np.einsum("abe,bxe->axe", monomials.mass(self.order, cells.moments, d), linear)
         squares = np.einsum("axe,axe->e", linear, products) / cells.moments[0]
         if not (squares <= MAX_PROJECTION_ERROR**2).all():  # NaN where round-off makes a mass negative
-            x, y = cells.frame.origin[:, int(np.nan_to_num(squares, nan=np.inf).argmax())]
+            place = point_text(cells.frame.origin[:, int(np.nan_to_num(squares, nan=np.inf).argmax())])
             raise InputError(
-                f"Virtual({self.order}) in the cell at ({x:g}, {y:g}), which is so thin that its polynomials are lost "
-                "in round-off",
+                f"Virtual({self.order}) in the cell at {place}, which is so thin that its polynomials are lost in "
+                "round-off",
                 f"cells whose projections keep linear functions to {MAX_PROJECTION_ERROR:g}, so that displacements "
                 "keep about four digits",
                 "take a lower order, or cut the cell with mesh.refined",
             )
 
-    def _cells(self, vertices: Floats) -> Polygons:
+    def _cells(self, vertices: Floats | CellGeometry) -> CellGeometry:
         """Geometry of cells, with the polynomials of the moments inside them."""
+        if isinstance(vertices, CellGeometry):
+            return vertices
         if vertices.ndim == 4:
-            cells: Polygons = CurvedPolygons.of_outline(vertices, outline_frame(vertices))
+            cells: CellGeometry = CurvedPolygons.of_outline(vertices, outline_frame(vertices))
         else:
             cells = Polygons.of(vertices, self.order, principal_frame(vertices))
         return replace(cells, inner=inner_factor(self.order, cells.moments))

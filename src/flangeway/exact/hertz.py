@@ -120,36 +120,6 @@ class LineContact:
         shear = n * (m**2 - z**2) / total
         return -(self.max_pressure / a) * np.stack((along_surface, across, shear), axis=-1)
 
-    def axis_stresses_in_disc(self, depth: ArrayLike, radius: float) -> Floats:
-        """Stresses on the line of symmetry of a disc that is pressed at both ends of a diameter (Johnson, 1985, 5.6).
-
-        To those in a half plane are added the even tension ``P / (pi R)`` across the diameter, and along it what the
-        opposite contact adds.
-
-        Parameters
-        ----------
-        depth
-            Depths z below the contact, 0 <= z < 2 R, shape (n,).
-        radius
-            Radius R of the disc.
-
-        Returns
-        -------
-        Floats
-            As of `stresses`, the shear being zero, shape (n, 3).
-
-        """
-        z = floats(depth)
-        if not (radius > 0.0 and (z < 2.0 * radius).all()):
-            raise InputError(
-                f"depths up to {z.max():g} in a disc of radius {radius}", "a radius above half of them", "check both"
-            )
-        result = self.stresses(0.0, z)
-        even = self.force_per_length / np.pi
-        result[..., 0] += even / radius
-        result[..., 1] += even * (1.0 / radius - 2.0 / (2.0 * radius - z))
-        return result
-
 
 def contact_modulus(plane_modulus_1: float, plane_modulus_2: float) -> float:
     """Contact modulus E* of two bodies with plane moduli ``E / (1 - nu^2)``."""

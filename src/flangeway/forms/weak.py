@@ -604,7 +604,7 @@ def _assembled(
     """Add up matrices of cells, whose blocks of components a function fills, returning what is added to each field."""
 
     def of_cells(batch: CellBatch) -> Floats:
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         n = reconstruction.n_local
         result = np.zeros((n, m, n, m, len(batch.cells)))
         blocks = result.transpose(1, 3, 0, 2, 4)

@@ -14,6 +14,7 @@ from flangeway.types import Floats, Ints
 FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
 Point: TypeAlias = tuple[float, float]
+Place: TypeAlias = Point | tuple[float, float, float]
 Item = TypeVar("Item")
 
 MAX_NEWTON_STEPS = 20
@@ -64,8 +65,8 @@ def sides_of(ring: Sequence[Item]) -> Iterator[tuple[Item, Item]]:
 
 
 def point_text(point: Point | Floats) -> str:
-    """Write a point (2,) for a message, with nine digits."""
-    return f"({point[0]:.9g}, {point[1]:.9g})"
+    """Write a point (d,) for a message, with nine digits."""
+    return f"({', '.join(f'{coordinate:.9g}' for coordinate in point)})"
 
 
 def box_about(boxes: Iterable[Floats]) -> Floats:
@@ -75,8 +76,9 @@ def box_about(boxes: Iterable[Floats]) -> Floats:
 
 
 def norms(vectors: Floats) -> Floats:
-    """Return the lengths of vectors (..., 2)."""
-    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
+    """Return the lengths of vectors (..., d)."""
+    lengths = np.hypot(vectors[..., 0], vectors[..., 1])
+    return np.asarray(np.hypot(lengths, vectors[..., 2]) if vectors.shape[-1] == 3 else lengths)
 
 
 def extent(points: Floats) -> float:

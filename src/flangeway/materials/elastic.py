@@ -57,6 +57,11 @@ class Material(ABC):
         return matrix
 
     @property
+    def full_thermal_strain(self) -> Floats:
+        """Free strains xx, yy, zz, 2 xy, 2 yz, 2 xz per rise of temperature, shape (6,); an InputError if unknown."""
+        return np.append(self.thermal_strain[[0, 1, 3, 2]], (0.0, 0.0))
+
+    @property
     def matrix(self) -> Floats:
         """Stresses per strain under the hypothesis, shape (4, 4); in plane stress row and column zz are zero."""
         matrix = self.spatial_matrix

@@ -5,15 +5,18 @@ from flangeway.mesh.gmsh_mesher import Refinement, long_meshes_reported, triangu
 from flangeway.mesh.insertion import edges_halved, insert_nodes, match_boundaries
 from flangeway.mesh.mesh_checks import check, conforming
 from flangeway.mesh.polygons import agglomerated, dual, dual_section, voronoi
+from flangeway.mesh.polyhedral_mesh import PolyhedralMesh, check_polyhedra
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import doerfler_marking, refined
 from flangeway.mesh.structured import quadtree, rectangle_grid
 
 __all__ = [
     "PolyMesh",
+    "PolyhedralMesh",
     "Refinement",
     "agglomerated",
     "check",
+    "check_polyhedra",
     "conforming",
     "curved",
     "doerfler_marking",

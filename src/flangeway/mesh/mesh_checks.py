@@ -13,6 +13,7 @@ from flangeway.geometry.arrays import IntArray, extent, norms, point_text
 from flangeway.mesh.connectivity import edge_places, first_connected, places_among, row_numbers
 from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
+from flangeway.mesh.polyhedral_mesh import PolyhedralMesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats, Indices, Ints
 
@@ -454,7 +455,7 @@ def positive_by_cells(mesh: PolyMesh, owner: str, name: str, given: float | Mapp
     return np.array(values)[set_numbers(mesh, given, name.replace("_", " "))]
 
 
-def set_numbers(mesh: PolyMesh, names: Iterable[str], what: str) -> Ints:
+def set_numbers(mesh: PolyMesh | PolyhedralMesh, names: Iterable[str], what: str) -> Ints:
     """Return which of the named cell sets each cell is in, numbers from 0, shape (n_cells,).
 
     Parameters
@@ -479,8 +480,9 @@ def set_numbers(mesh: PolyMesh, names: Iterable[str], what: str) -> Ints:
         times[cells] += 1
     if (times != 1).any():
         cell = int(np.argmax(times != 1))
+        place = point_text(mesh.points[mesh.corners(cell)].mean(axis=0))
         raise InputError(
-            f"cell {cell} at {point_text(mesh.cell_centroids[cell])} in {times[cell]} of the given cell sets",
+            f"cell {cell} at {place} in {times[cell]} of the given cell sets",
             f"one {what} for each cell",
             "give cell sets that cover the mesh once",
         )

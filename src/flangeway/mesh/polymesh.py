@@ -14,6 +14,7 @@ from flangeway.checks import values_at
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.geometry.placement import Placement
+from flangeway.mesh.cell_mesh import CellMesh, frozen, index_array, row_starts
 from flangeway.mesh.connectivity import (
     EdgeCurves,
     EdgeNumbers,
@@ -32,20 +33,6 @@ from flangeway.mesh.connectivity import (
 from flangeway.types import Bools, Floats, Indices, Ints
 
 
-def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
-    """Return a read-only int32 array of indices in [0, upper)."""
-    given = np.asarray(values)
-    if given.size and given.dtype.kind not in "iu":
-        raise InputError(f"{name} of type {given.dtype}", "integers", "convert it to int32")
-    if given.size and (given.min() < 0 or given.max() >= upper):
-        raise InputError(
-            f"{name} from {given.min()} to {given.max()}",
-            f"numbers from 0 to {upper - 1}",
-            "number points and cells from zero",
-        )
-    return _frozen(given.astype(np.int32))
-
-
 def _with_the_body_on_the_left(pairs: IntArray, cell_points: IntArray, offsets: IntArray) -> IntArray:
     """Pairs (m, 2) turned where a cell passes them from the second point to the first, and none the other way."""
     near = np.zeros(max(int(cell_points.max()), int(pairs.max())) + 1, dtype=bool)
@@ -59,17 +46,8 @@ def _with_the_body_on_the_left(pairs: IntArray, cell_points: IntArray, offsets: 
     return np.where((back & ~ahead)[:, None], pairs[:, ::-1], pairs)
 
 
-def _frozen(values: NDArray[Any]) -> NDArray[Any]:
-    values.setflags(write=False)
-    return values
-
-
-def _names(names: Iterable[str]) -> str:
-    return ", ".join(sorted(names)) or "none"
-
-
 @dataclass(frozen=True, eq=False)
-class PolyMesh:
+class PolyMesh(CellMesh):
     """Polygons with any number of sides; a triangle is a polygon with three points.
 
     All arrays are copied and read-only; a change returns a new mesh. The constructor checks shapes
@@ -106,26 +84,16 @@ class PolyMesh:
 
     def __post_init__(self) -> None:
         """Check shapes and ranges; store read-only copies."""
-        points = _frozen(as_points(self.points).copy())
-        cell_points = _index_array(self.cell_points, "cell_points", len(points)).ravel()
-        offsets = _index_array(self.cell_offsets, "cell_offsets", len(cell_points) + 1)
-        if offsets.ndim != 1 or len(offsets) < 2 or offsets[0] or offsets[-1] != len(cell_points):
-            raise InputError(
-                f"cell_offsets of shape {offsets.shape}",
-                f"n_cells + 1 numbers from 0 to {len(cell_points)}, for one cell or more",
-                "give the start of each cell and the end of the last",
-            )
-        counts = np.diff(offsets)
-        if counts.min() < 3:
-            cell = int(counts.argmin())
-            raise InputError(f"cell {cell} with {counts[cell]} points", "three points or more", "remove it")
+        points = frozen(as_points(self.points).copy())
+        cell_points = index_array(self.cell_points, "cell_points", len(points)).ravel()
+        offsets = row_starts(self.cell_offsets, "cell_offsets", len(cell_points), 3)
         cell_sets = {
-            name: _frozen(np.unique(_index_array(values, f"cell set '{name}'", len(counts))))
+            name: frozen(np.unique(index_array(values, f"cell set '{name}'", len(offsets) - 1)))
             for name, values in self.cell_sets.items()
         }
         edge_sets = {}
         for name, values in self.edge_sets.items():
-            pairs = _index_array(values, f"edge set '{name}'", len(points))
+            pairs = index_array(values, f"edge set '{name}'", len(points))
             if pairs.ndim != 2 or pairs.shape[1] != 2 or not len(pairs):
                 raise InputError(
                     f"edge set '{name}' of shape {pairs.shape}",
@@ -136,7 +104,7 @@ class PolyMesh:
                 ordered = ordered_pairs(_with_the_body_on_the_left(pairs, cell_points, offsets), name)
             except InputError:  # as where a cell is clockwise, which is for a check of the mesh to say
                 ordered = ordered_pairs(pairs, name)
-            edge_sets[name] = _frozen(ordered)
+            edge_sets[name] = frozen(ordered)
         for name, value in (
             ("points", points),
             ("cell_offsets", offsets),
@@ -170,24 +138,9 @@ class PolyMesh:
         return f"PolyMesh(n_points={self.n_points}, n_cells={self.n_cells}, {sets})"
 
     @property
-    def n_points(self) -> int:
-        """Number of points."""
-        return len(self.points)
-
-    @property
-    def n_cells(self) -> int:
-        """Number of cells."""
-        return len(self.cell_offsets) - 1
-
-    @property
     def n_edges(self) -> int:
         """Number of edges."""
         return len(self._numbered.keys)
-
-    @cached_property
-    def cell_sizes(self) -> IntArray:
-        """Number of points of every cell (n_cells,)."""
-        return _frozen(np.diff(self.cell_offsets))
 
     @cached_property
     def _following(self) -> Ints:
@@ -206,7 +159,7 @@ class PolyMesh:
     def edges(self) -> IntArray:
         """Pairs of points (n_edges, 2), the lower number first, in sorted order."""
         low, high = np.divmod(self._numbered.keys, self.n_points)
-        return _frozen(np.column_stack([low, high]).astype(np.int32))
+        return frozen(np.column_stack([low, high]).astype(np.int32))
 
     @property
     def cell_edges(self) -> IntArray:
@@ -237,12 +190,17 @@ class PolyMesh:
         pairs[:, 0] = cells[first]
         inner = counts == 2
         pairs[inner, 1] = cells[first[inner] + 1]
-        return _frozen(pairs)
+        return frozen(pairs)
+
+    @property
+    def cell_neighbours(self) -> IntArray:
+        """Pairs of cells (m, 2) with a common edge."""
+        return self.edge_cells[self.edge_cells[:, 1] >= 0]
 
     @cached_property
     def boundary_edges(self) -> IntArray:
         """Edges with one cell, as pairs of points (m, 2) with the body on the left."""
-        return _frozen(self.cell_points[self.rim_entries])
+        return frozen(self.cell_points[self.rim_entries])
 
     @property
     def rim_entries(self) -> Ints:
@@ -263,7 +221,7 @@ class PolyMesh:
         InputError
             If a pair is not an edge.
         """
-        given = _index_array(pairs, "pairs", self.n_points).reshape(-1, 2)
+        given = index_array(pairs, "pairs", self.n_points).reshape(-1, 2)
         keys, wanted = self._numbered.keys, self._keys(given)
         numbers = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         missing = keys[numbers] != wanted
@@ -314,7 +272,7 @@ class PolyMesh:
         if self.curves is not None:
             cells, signs, _, beside, _ = self._beside
             np.add.at(areas, cells, signs * beside)
-        return _frozen(areas)
+        return frozen(areas)
 
     @cached_property
     def _beside(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
@@ -358,7 +316,7 @@ class PolyMesh:
             cells, signs, rows, areas, moments = self._beside
             offset = self.points[self.curves.pairs[rows, 0]] - first[cells]
             np.add.at(sums, cells, 6.0 * signs[:, None] * (moments + areas[:, None] * offset))
-        return _frozen(first + sums / (6.0 * self.cell_areas[:, None]))
+        return frozen(first + sums / (6.0 * self.cell_areas[:, None]))
 
     @cached_property
     def cell_diameters(self) -> Floats:
@@ -370,7 +328,7 @@ class PolyMesh:
                 apart = corners - np.roll(corners, shift, axis=1)
                 squares = np.einsum("cvx,cvx->cv", apart, apart).max(axis=1)
                 diameters[cells] = np.maximum(diameters[cells], squares)
-        return _frozen(np.sqrt(diameters))
+        return frozen(np.sqrt(diameters))
 
     def polygons(self, cells: Indices) -> NDArray[np.object_]:
         """Return cells (n,) as polygons of shapely, of which a curved edge is its chord."""
@@ -384,31 +342,6 @@ class PolyMesh:
     def cell_tree(self) -> shapely.STRtree:
         """Search tree of the cells' `polygons`."""
         return shapely.STRtree(self.polygons(np.arange(self.n_cells)))
-
-    @cached_property
-    def _batches(self) -> tuple[tuple[int, IntArray], ...]:
-        if self.cell_sizes.min() == self.cell_sizes.max():
-            return ((int(self.cell_sizes[0]), _frozen(np.arange(self.n_cells, dtype=np.int32))),)
-        order = np.argsort(self.cell_sizes, kind="stable").astype(np.int32)
-        sizes, starts = np.unique(self.cell_sizes[order], return_index=True)
-        groups = np.split(order, starts[1:])
-        return tuple((int(n), _frozen(cells)) for n, cells in zip(sizes, groups, strict=True))
-
-    def batches(self) -> tuple[tuple[int, IntArray], ...]:
-        """Return (n_vertices, cell numbers) for the cells of each number of vertices, ascending."""
-        return self._batches
-
-    def corners(self, cell: int) -> IntArray:
-        """Return the numbers of the points of one cell."""
-        return self.cell_points[self.cell_offsets[cell] : self.cell_offsets[cell + 1]]
-
-    def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
-        """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
-        return self.cell_points[self.batch_places(n_vertices, cells)]
-
-    def batch_places(self, n_vertices: int, cells: Indices) -> Ints:
-        """Return where the points of cells of one batch are in `cell_points`, shape (len(cells), n_vertices)."""
-        return self.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
 
     # named sets
 
@@ -443,12 +376,6 @@ class PolyMesh:
         """
         return self.named_edges.chosen(names, within=within, at_x=at_x, at_y=at_y)
 
-    def cell_set(self, name: str) -> IntArray:
-        """Return the cell numbers of a cell set; an unknown name is an InputError."""
-        if name not in self.cell_sets:
-            raise InputError(f"cell set '{name}'", f"one of: {_names(self.cell_sets)}", "correct the name")
-        return self.cell_sets[name]
-
     def chain(self, *names: str) -> IntArray:
         """Return the points (m + 1,) along the edges of one or more edge sets, body on the left.
 
@@ -461,7 +388,7 @@ class PolyMesh:
         """
         pairs = self._joined_sets(names)
         points = np.append(pairs[:, 0], pairs[-1:, 1])
-        return _frozen(points)
+        return frozen(points)
 
     def _joined_sets(self, names: tuple[str, ...]) -> IntArray:
         pairs = self.edge_set(names)
@@ -505,12 +432,6 @@ class PolyMesh:
             pairs = self.boundary_edges[taken[self.boundary_edges].all(axis=1)]
         rows = self.boundary_rows(pairs, f"edge set '{name}': edge")
         return replace(self, edge_sets={**self.edge_sets, name: self.boundary_edges[rows]})
-
-    def with_cell_set(self, name: str, cells: ArrayLike) -> "PolyMesh":
-        """Return the mesh with a further (or replaced) cell set: numbers, or a mask (n_cells,)."""
-        given = np.asarray(cells)
-        numbers: Any = np.flatnonzero(given) if given.dtype == bool else given
-        return replace(self, cell_sets={**self.cell_sets, name: numbers})
 
     # changes
 

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.elements import Function, batched, monomials, polygon_quadrature
+from flangeway.elements import Function, batched, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
@@ -118,7 +118,7 @@ def energy_norms(solution: ElasticField, given: Callable[[CellBatch, Floats], Fl
     squares = np.empty((2, problem.space.mesh.n_cells))
     for batch in problem.space.batches():
         reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
-        points, weights = polygon_quadrature(batch.outline, degree)
+        points, weights = batch.quadrature(degree)
         wanted = given(batch, points)
         values = np.einsum("sae,aqe->sqe", stress, reconstruction.at(points)[: stress.shape[1]])
         weights = weights * problem.depth(points.swapaxes(1, 2))
@@ -160,7 +160,7 @@ def recovered_stresses(solution: ElasticField) -> RecoveredStresses:
     for batch in problem.space.batches():
         reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
         mass = problem.strains(batch, reconstruction).mass
-        points, weights = polygon_quadrature(batch.outline, 2 * order)
+        points, weights = batch.quadrature(2 * order)
         if problem.axisymmetric:
             weights = weights * points[:, 0]
         weighted = reconstruction.at(points)[: len(mass)] * weights
@@ -423,7 +423,7 @@ def error_norms(
     fields = dofs.reshape(space.n_dofs, -1)
     totals = np.zeros(6)
     for batch in space.batches():
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         points, weights = cell_quadrature(batch, degree)
         monomials = reconstruction.at(points)
         local = fields[batch.dofs]

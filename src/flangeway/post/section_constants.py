@@ -164,7 +164,7 @@ def _integrals(warping: TorsionSolution) -> _Integrals:
     space = problem.space
     moments, cubic, products = np.zeros(6), np.zeros(2), np.zeros(4)
     for batch in space.batches():
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         points, weights = cell_quadrature(batch, 2 * space.order + 1)
         weights = weights * (problem.cell_moduli[batch.cells] / problem.mean_modulus)
         monomials, local = reconstruction.at(points), warping.function[batch.dofs]

@@ -312,7 +312,7 @@ def value_polynomials(dofs: Floats) -> Polynomials:
     """Return the function of a batch of cells that gives the projections of a function with unknowns (n_dofs, m)."""
 
     def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         # coefficients (m, n_monomials, n_cells): sum over the nodes m of projection[a, m, e] dofs[m, e, i]
         return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, dofs[batch.dofs])
 

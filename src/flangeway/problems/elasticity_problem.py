@@ -3,17 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
 
 from flangeway.checks import check_kind, check_positive
-from flangeway.elements import Reconstruction, batched, monomials, polygon_quadrature
+from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import edge_points, edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import ROUGH_ANGLE, facet_depths, norms, steps_around
+from flangeway.geometry.arrays import ROUGH_ANGLE, facet_depths, norms, point_text, steps_around
 from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import set_numbers
@@ -25,11 +25,11 @@ from flangeway.problems.loads import (
     Support,
     TemperatureChange,
     axes,
-    edge_quadrature,
+    boundary_quadrature,
     entries_between,
 )
 from flangeway.results import Result, ResultTable
-from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
+from flangeway.space import CellBatch, CondensedMatrix, Mesh, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Bools, Floats, Ints
 
 # --- Strains of cells as polynomials of degree k - 1: in the plane, and about an axis with the radius as weight.
@@ -37,8 +37,12 @@ from flangeway.types import Bools, Floats, Ints
 
 STRAIN_PLACES = np.array([[0, 2, 3], [2, 1, -1]])
 """Place among xx, yy, 2 xy, zz of the strain that is a component's (row) derivative by x, by y, or its hoop strain."""
+SPATIAL_STRAIN_PLACES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Place among xx, yy, zz, 2 xy, 2 yz, 2 xz of the strain that is a component's (row) derivative by x, y, z."""
 STRAINS = np.array([strain == STRAIN_PLACES for strain in range(4)], dtype=np.float64)
-"""Each strain by component and derivative, shape (4, 2, 3)."""
+"""Each strain in the plane by component and derivative, shape (4, 2, 3)."""
+SPATIAL_STRAINS = np.array([strain == SPATIAL_STRAIN_PLACES for strain in range(6)], dtype=np.float64)
+"""The same in space, shape (6, 3, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,8 +197,10 @@ def _of_kind(items: Sequence[AppliedLoad | Support], kind: type[Kind]) -> tuple[
 
 
 @dataclass(frozen=True, eq=False)
-class Elasticity:
-    """A linear elastic body; unknowns: displacements numbered ``2 * dof + component`` (Moherdaui 2021, 3.2.6, 3.3.7).
+class Elasticity(Generic[Mesh]):
+    """A linear elastic body; unknowns: displacements numbered ``d * dof + component`` (Moherdaui 2021, 3.2.6, 3.3.7).
+
+    On a mesh of polyhedra it is a body in space, d = 3, whose loads and supports are on named faces.
 
     Parameters
     ----------
@@ -220,7 +226,7 @@ class Elasticity:
 
     """
 
-    space: Space
+    space: Space[Mesh]
     material: Material | Mapping[str, Material]
     thickness: float = 1.0
     loads: Sequence[AppliedLoad] = ()
@@ -242,6 +248,8 @@ class Elasticity:
             )
         if self.axisymmetric:
             self._check_axis()
+        if self.dimension == 3:
+            self._check_spatial()
         self._check_items()
 
     def _check_types(self) -> None:
@@ -262,6 +270,18 @@ class Elasticity:
             raise InputError(
                 f"an axisymmetric body with a point at x = {least:g}", "radii x >= 0", "move the mesh, or mirror it"
             )
+
+    def _check_spatial(self) -> None:
+        """Refuse what only bodies in the plane have."""
+        has = {
+            f"the hypothesis {self.materials[0].hypothesis}": self.materials[0].hypothesis != "plane_strain",
+            "a thickness": self.thickness != 1.0,
+            "a rigid handle": bool(self.handles),
+            "a support with an angle": any(getattr(support, "angle", 0.0) for support in self.supports),
+        }
+        for what, given in has.items():
+            if given:
+                raise InputError(f"body `{self.name}` in space with {what}", "bodies in the plane", "leave it out")
 
     def _check_items(self) -> None:
         for load in self.loads:
@@ -307,7 +327,7 @@ class Elasticity:
     @property
     def facets(self) -> str | None:
         """Sentence about straight edges that stand for a smooth curve; None where they change the section by little."""
-        mesh = self.space.mesh
+        mesh = self.space.plane_mesh
         pairs = ordered_pairs(mesh.boundary_edges, "boundary")
         straight = (mesh.curve_rows[mesh.edge_numbers(pairs)] < 0) | (self.space.order == 1)
         ends, loops = mesh.points[pairs], chain_starts(pairs)[1:]
@@ -320,6 +340,16 @@ class Elasticity:
             f"{self.name} has straight edges that look like chords of a curve, and {fraction:.1e} of its section lies "
             "between them and the curve; take order 2 or more and curved(mesh, outline), or more edges there"
         )
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates and of components of displacements, 2 or 3."""
+        return self.space.dimension
+
+    @property
+    def strains_by_derivative(self) -> Floats:
+        """Each strain by component and derivative, see `STRAINS`."""
+        return STRAINS if self.dimension == 2 else SPATIAL_STRAINS
 
     @property
     def axisymmetric(self) -> bool:
@@ -359,10 +389,9 @@ class Elasticity:
         apart = np.linalg.norm(self.space.nodes - np.asarray(point), axis=1)
         node = int(apart.argmin())
         if apart[node] > SAME_PLACE * self.size:
-            x, y = self.space.nodes[node]
             raise InputError(
-                f"the point ({point[0]:g}, {point[1]:g})",
-                f"a node of the mesh; the nearest is ({x:g}, {y:g})",
+                f"the point {point_text(np.asarray(point))}",
+                f"a node of the mesh; the nearest is {point_text(self.space.nodes[node])}",
                 "give the place of a node, or make the mesh with a point there",
             )
         return node
@@ -374,31 +403,35 @@ class Elasticity:
     def nodes_at(self, where: str | Sequence[float]) -> Ints:
         """Nodes of an edge set, each once, in rising order, or the node at a given place."""
         if isinstance(where, str):
-            return np.unique(self.space.edge_nodes(self.space.mesh.edge_set(where))).astype(np.int64)
+            return self.space.nodes_along(where)
         return np.array([self.node_at(where)])
 
     # stiffness
 
     def stiffness(self) -> SymmetricMatrix:
         """Stiffness matrix of the whole body on all its unknowns, no unknown held, without springs."""
-        return self.space.assemble(self.cell_stiffness, n_components=2)
+        return self.space.assemble(self.cell_stiffness, n_components=self.dimension)
 
     def condensed_stiffness(self) -> CondensedMatrix:
         """Stiffness with the unknowns inside cells eliminated, no unknown held, without springs."""
-        return assemble_condensed(self.space, self.cell_stiffness, n_components=2)
+        return assemble_condensed(self.space, self.cell_stiffness, n_components=self.dimension)
 
     def spring_stiffness(self, spring: Spring) -> sp.csc_array:
-        """Stiffness of a spring on the displacements at nodes, shape (2 n_nodes, 2 n_nodes)."""
-        space, frame = self.space, axes(spring.angle)
-        tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
-        nodes, mass = self.nodes_at(spring.where)[None], np.ones((1, 1, 1))
+        """Stiffness of a spring on the displacements at nodes, shape (d n_nodes, d n_nodes)."""
+        d, frame = self.dimension, axes(spring.angle, self.dimension)
+        tensor = frame.T @ np.diag([spring.x, spring.y, spring.z][:d]) @ frame
+        parts = [(self.nodes_at(spring.where)[None], np.ones((1, 1, 1)))]
         if isinstance(spring.where, str):
-            rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
-            nodes, mass = rule.nodes.astype(np.int64), rule.products(self.depth(rule.points))
-        unknowns = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1)
-        blocks = np.einsum("emn,ij->eminj", mass, tensor).reshape(*unknowns.shape, -1)
-        rows, columns, entries = entries_between(unknowns, blocks)
-        return sp.csc_array(sp.coo_array((entries, (rows, columns)), shape=(2 * space.n_nodes, 2 * space.n_nodes)))
+            rules = boundary_quadrature(self.space, spring.where)
+            parts = [(rule.nodes.astype(np.int64), rule.products(self.depth(rule.points))) for rule in rules]
+        shape = (d * self.space.n_nodes,) * 2
+        total = sp.csc_array(shape)
+        for nodes, mass in parts:
+            unknowns = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1)
+            blocks = np.einsum("emn,ij->eminj", mass, tensor).reshape(*unknowns.shape, -1)
+            rows, columns, entries = entries_between(unknowns, blocks)
+            total += sp.csc_array(sp.coo_array((entries, (rows, columns)), shape=shape))
+        return total
 
     def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
         """Strains of cells as polynomials."""
@@ -406,11 +439,15 @@ class Elasticity:
 
     @cached_property
     def _matrices(self) -> Floats:
-        """Matrix of each material, shape (4, 4, n_materials)."""
-        return np.stack([material.matrix for material in self.materials], axis=-1)
+        """Matrix of each material, shape (4, 4, n_materials), in space (6, 6, n_materials)."""
+        plane = self.dimension == 2
+        return np.stack([material.matrix if plane else material.full_matrix for material in self.materials], axis=-1)
 
     def matrices(self, batch: CellBatch) -> Floats:
-        """Stresses xx, yy, xy, zz per strain xx, yy, 2 xy, zz of cells, (4, 4, n_cells), or (4, 4, 1) if all alike."""
+        """Stresses xx, yy, xy, zz per strain xx, yy, 2 xy, zz of cells, (4, 4, n_cells), or (4, 4, 1) if all alike.
+
+        In space xx, yy, zz, xy, yz, xz, with sixes in place of the fours.
+        """
         return self.of_cells(self._matrices, batch)
 
     def stabilisation_factors(self, batch: CellBatch) -> Floats:
@@ -422,34 +459,35 @@ class Elasticity:
         return values if len(self.materials) == 1 else values[..., self.cell_material[batch.cells]]
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
-        """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (2 n_local, 2 n_local, n_cells)."""
-        reconstruction = batch.element.reconstruct(batch.outline)
+        """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (d n_local, d n_local, n_cells)."""
+        reconstruction = batch.reconstruct()
         strains = self.strains(batch, reconstruction.for_energy)
-        n, table = reconstruction.n_local, STRAINS[..., : strains.moments.shape[1]]
-        result = np.zeros((n, 2, n, 2, len(batch.cells)))
+        n, d = reconstruction.n_local, self.dimension
+        table = self.strains_by_derivative[..., : strains.moments.shape[1]]
+        result = np.zeros((n, d, n, d, len(batch.cells)))
         by_component = result.transpose(1, 3, 0, 2, 4)
         # T_iajb = sum over strains s, t of B_sia D_st B_tjb
         add_consistency(by_component, np.einsum("sia,ste,tjb->iajbe", table, self.matrices(batch), table), strains)
         stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
             stabilisation *= self.stabilisation_factors(batch)
-            by_component[0, 0] += stabilisation
-            by_component[1, 1] += stabilisation
+            for component in range(d):
+                by_component[component, component] += stabilisation
         result *= self._depth_factor
-        return result.reshape(2 * n, 2 * n, -1)
+        return result.reshape(d * n, d * n, -1)
 
     # loads
 
     def load_vector(self) -> Floats:
-        """Forces of all loads but changes of temperature on all unknowns, shape (n_dofs, 2)."""
+        """Forces of all loads but changes of temperature on all unknowns, shape (n_dofs, d)."""
         return self._forces([load for load in self.loads if not isinstance(load, TemperatureChange)])
 
     def thermal_load_vector(self) -> Floats:
-        """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, 2)."""
+        """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, d)."""
         return self._forces(self.thermal_loads)
 
     def _forces(self, loads: Sequence[AppliedLoad]) -> Floats:
-        return sum((load.forces(self) for load in loads), np.zeros((self.space.n_dofs, 2)))
+        return sum((load.forces(self) for load in loads), np.zeros((self.space.n_dofs, self.dimension)))
 
     def thermal_energy(self) -> float:
         """Strain energy of the held body's thermal stresses."""
@@ -472,23 +510,23 @@ class Elasticity:
     ) -> Floats:
         """Weighted integrals of the rise of temperature times monomials of degree k - 1, (n_monomials, n_cells)."""
         order = reconstruction.order
-        points, weights = polygon_quadrature(batch.outline, 2 * order + 1)
+        points, weights = batch.quadrature(2 * order + 1)
         rows = points.swapaxes(1, 2)
         change = np.zeros(weights.shape)
         for load in loads:
             inside = self.cells_in(load.cells)[batch.cells]
-            change[:, inside] += load.at(rows[:, inside].reshape(-1, 2)).reshape(len(rows), -1)
+            change[:, inside] += load.at(rows[:, inside].reshape(-1, self.dimension)).reshape(len(rows), -1)
         weighted = change * weights * (points[:, 0] if self.axisymmetric else 1.0)
         return np.einsum("aqe,qe->ae", reconstruction.at(points)[: n_monomials(order - 1)], weighted)
 
     def thermal_forces(
         self, batch: CellBatch, reconstruction: Reconstruction, loads: Sequence[TemperatureChange]
     ) -> Floats:
-        """Forces of the stresses that would undo the thermal strains, shape (2, n_local, n_cells)."""
+        """Forces of the stresses that would undo the thermal strains, shape (d, n_local, n_cells)."""
         coefficients = self.strains(batch, reconstruction).coefficients
         stress = self._depth_factor * self._thermal_stress(batch)
         moments = self.cell_temperature(batch, reconstruction, loads)
-        table = STRAINS[..., : coefficients.shape[1]]
+        table = self.strains_by_derivative[..., : coefficients.shape[1]]
         return np.einsum("sia,pame,spe->ime", table, coefficients, stress[:, None] * moments, optimize=True)
 
     @cached_property
@@ -502,12 +540,20 @@ class Elasticity:
     @cached_property
     def _thermal_energies(self) -> Floats:
         """Thermal strain times thermal stress of each material, shape (n_materials,)."""
-        return np.array([m.thermal_strain @ m.thermal_stress if m else 0.0 for m in self._heated])
+        return np.array([strain @ stress for strain, stress in map(self._thermal, self._heated)])
+
+    def _thermal(self, material: Material | None) -> tuple[Floats, Floats]:
+        """Free strains of a material per rise of temperature, and stresses that would undo them; None has none."""
+        if material is None:
+            none = np.zeros(len(self._matrices))
+            return none, none
+        if self.dimension == 2:
+            return material.thermal_strain, material.thermal_stress
+        return material.full_thermal_strain, material.full_matrix @ material.full_thermal_strain
 
     def _thermal_stress(self, batch: CellBatch) -> Floats:
-        """Stress of cells per rise of temperature, shape (4, n_cells) or (4, 1); zero for unheated materials."""
-        values = [material.thermal_stress if material else np.zeros(4) for material in self._heated]
-        return self.of_cells(np.stack(values, axis=-1), batch)
+        """Stress of cells per rise of temperature, shape (4 or 6, n_cells or 1); zero for unheated materials."""
+        return self.of_cells(np.stack([self._thermal(material)[1] for material in self._heated], axis=-1), batch)
 
     # stresses
 
@@ -519,20 +565,21 @@ class Elasticity:
         batch
             The cells.
         displacement
-            All unknowns, shape (2 n_dofs,) or (n_dofs, 2).
+            All unknowns, shape (d n_dofs,) or (n_dofs, d).
 
         Returns
         -------
         tuple
             The reconstruction, whose frame the polynomials are written in, and the coefficients of the components
-            xx, yy, xy, zz (zz: out of the plane, or the hoop stress), shape (4, n_monomials(k - 1), n_cells).
+            xx, yy, xy, zz (zz: out of the plane, or the hoop stress), in space xx, yy, zz, xy, yz, xz; shape
+            (4 or 6, n_monomials(k - 1), n_cells).
 
         """
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         strains = self.strains(batch, reconstruction)
-        local = displacement.reshape(-1, 2)[batch.dofs]
+        local = displacement.reshape(-1, self.dimension)[batch.dofs]
         derivatives = np.einsum("pame,mei->iape", strains.coefficients, local)
-        strain = np.einsum("sia,iape->spe", STRAINS[..., : derivatives.shape[1]], derivatives)
+        strain = np.einsum("sia,iape->spe", self.strains_by_derivative[..., : derivatives.shape[1]], derivatives)
         stress = np.einsum("ste,tae->sae", self.matrices(batch), strain)
         if self.thermal_loads:
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
@@ -560,7 +607,7 @@ class Elasticity:
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticField(Result):
+class ElasticField(Result, Generic[Mesh]):
     """Displacements of an elastic body: what stresses and pictures need.
 
     Parameters
@@ -568,15 +615,15 @@ class ElasticField(Result):
     problem
         The elastic problem.
     displacements
-        All unknowns, shape (n_dofs, 2); the first ``space.n_nodes`` are those at ``space.nodes``.
+        All unknowns, shape (n_dofs, d); the first ``space.n_nodes`` are those at ``space.nodes``.
 
     """
 
-    problem: Elasticity
+    problem: Elasticity[Mesh]
     displacements: Floats
 
     @property
-    def space(self) -> Space:
+    def space(self) -> Space[Mesh]:
         """Space of the displacements."""
         return self.problem.space
 
@@ -584,5 +631,7 @@ class ElasticField(Result):
     def table(self) -> ResultTable:
         """Places and displacements of the nodes."""
         nodes = self.space.nodes
-        (x, y), (u, v) = nodes.T, self.displacements[: len(nodes)].T
-        return ResultTable({"x": x, "y": y, "displacement_x": u, "displacement_y": v})
+        places, displacements = nodes.T, self.displacements[: len(nodes)].T
+        names = "xyz"[: len(places)]
+        columns = dict(zip(names, places, strict=True))
+        return ResultTable(columns | {f"displacement_{x}": u for x, u in zip(names, displacements, strict=True)})

@@ -240,7 +240,7 @@ class Harmonic:
 
     def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats, Floats]:
         """K0, K1 and K2 of cells, each (3 n_local, 3 n_local, n_cells)."""
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         slots, stress = self.slots(batch, reconstruction.for_energy), self.matrices(batch)
         n, n_cells = reconstruction.n_local, len(batch.cells)
         b0, b1 = self._tables
@@ -345,7 +345,7 @@ class Harmonic:
             `NAMES` (..., 6, n_monomials, n_cells): of ``cos kz`` for xx, yy, zz and xy, of ``sin kz`` for yz and xz.
 
         """
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         coefficients = self.slots(batch, reconstruction).coefficients
         b0, b1 = self._tables
         # e_sp = sum over amplitudes i, slots a and unknowns m of B_sia c_pam u_mi

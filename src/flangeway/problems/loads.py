@@ -2,18 +2,20 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
 from flangeway.checks import are_finite, check_angle, is_finite
 from flangeway.elements import Reconstruction, polygon_quadrature
+from flangeway.elements.polyhedra import face_batches
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, located, short
-from flangeway.geometry.arrays import IntArray, Point, turned_right
+from flangeway.geometry.arrays import IntArray, Place, Point, turned_right
 from flangeway.materials import Material
-from flangeway.space import CellBatch, Space
+from flangeway.mesh import PolyhedralMesh
+from flangeway.space import CellBatch, Mesh, Space
 from flangeway.space.functions import at_points
 from flangeway.types import Bools, Floats, Indices, Ints, floats
 
@@ -24,9 +26,9 @@ NO_FORCE = 1e-12
 """Force on what can move relative to the maximum force of a load that is round-off."""
 
 Scalar = float | Callable[[Floats], Floats]
-"""A number, or a function of points (n, 2) with values (n,)."""
+"""A number, or a function of points (n, d) with values (n,)."""
 Vector = Sequence[float] | Floats | Callable[[Floats], Floats]
-"""Two numbers, or a function of points (n, 2) with values (n, 2)."""
+"""A number for each of d coordinates, or a function of points (n, d) with values (n, d); d is 2, in space 3."""
 
 
 def check_scalar(owner: str, value: Scalar) -> None:
@@ -34,30 +36,32 @@ def check_scalar(owner: str, value: Scalar) -> None:
     if callable(value):
         return
     if not is_finite(value):
-        allowed = "a finite number, or a function of points (n, 2)"
+        allowed = "a finite number, or a function of points"
         raise InputError(f"{owner} = {short(value)}", allowed, "correct the value")
 
 
 def check_vector(owner: str, value: Vector) -> None:
-    """Refuse what is neither two finite numbers nor a function."""
-    if callable(value):
-        return
-    if not are_finite(value, 2):
-        raise InputError(
-            f"{owner} = {short(value)}",
-            "two finite numbers, for x and y, or a function of points (n, 2)",
-            "give both components, 0 for none",
-        )
+    """Refuse what is neither two or three finite numbers nor a function."""
+    if not callable(value) and not are_finite(value, 2) and not are_finite(value, 3):
+        raise _wrong_vector(owner, value, "two finite numbers, for x and y, in space three")
+
+
+def _wrong_vector(owner: str, value: object, allowed: str) -> InputError:
+    return InputError(
+        f"{owner} = {short(value)}", f"{allowed}, or a function of points", "give all components, 0 for none"
+    )
 
 
 def scalar_at(owner: str, value: Scalar, points: Floats) -> Floats:
-    """Values (n,) at points (n, 2); an InputError if a function fails to give finite numbers."""
+    """Values (n,) at points (n, d); an InputError if a function fails to give finite numbers."""
     return _at(owner, value, points, (len(points),))
 
 
 def vector_at(owner: str, value: Vector, points: Floats) -> Floats:
-    """Values (n, 2) at points (n, 2); an InputError if a function fails to give finite numbers."""
-    return _at(owner, value, points, (len(points), 2))
+    """Values (n, d) at points (n, d); an InputError if there are too few, or a function fails to give finite ones."""
+    if not callable(value) and len(value) != points.shape[1]:
+        raise _wrong_vector(owner, value, f"{points.shape[1]} numbers")
+    return _at(owner, value, points, points.shape)
 
 
 def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ...]) -> Floats:
@@ -69,7 +73,7 @@ def _at(owner: str, value: Scalar | Vector, points: Floats, shape: tuple[int, ..
             raise InputError(
                 f"a function that gives shape {values.shape} for {len(points)} points",
                 f"shape {shape}",
-                "write it for points of shape (n, 2)",
+                f"write it for points of shape {points.shape}",
             )
     return values
 
@@ -85,20 +89,46 @@ def entries_between(unknowns: Indices, matrices: Floats) -> tuple[Ints, Ints, Fl
 
 @dataclass(frozen=True, eq=False)
 class EdgeQuadrature:
-    """Gauss points on edges with the traces of the nodes."""
+    """Points of quadrature on edges, or on faces with one number of corners, with the traces of the nodes."""
 
-    nodes: IntArray  # nodes of each edge in its direction, (n_edges, order + 1)
-    points: Floats  # (n_edges, n_points, 2)
-    weights: Floats  # lengths that belong to the points, (n_edges, n_points)
-    shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1)
-    normals: Floats  # outward unit normals, (n_edges, n_points, 2)
+    nodes: IntArray  # nodes of each edge in its direction, (n_edges, order + 1), or of each face, (n_faces, n)
+    points: Floats  # (n_edges, n_points, d)
+    weights: Floats  # lengths or areas that belong to the points, (n_edges, n_points)
+    shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1);
+    # of faces (n_faces, n_points, n)
+    normals: Floats  # outward unit normals, (n_edges, n_points, d)
 
     def products(self, depth: Floats | float) -> Floats:
         """Integrals of products of the nodes' functions times a depth (n_edges, n_points), (n_edges, n, n)."""
-        return np.einsum("eq,qm,qn->emn", self.weights * depth, self.shapes, self.shapes)
+        axes_of_shapes = "eqm,eqn" if self.shapes.ndim == 3 else "qm,qn"
+        return np.einsum(f"eq,{axes_of_shapes}->emn", self.weights * depth, self.shapes, self.shapes)
+
+    def integrals(self, values: Floats) -> Floats:
+        """Integrals of the nodes' functions times values (n_edges, n_points, d), (n_edges, n, d)."""
+        axes_of_shapes = "eqm" if self.shapes.ndim == 3 else "qm"
+        return np.einsum(f"eq,eqi,{axes_of_shapes}->emi", self.weights, values, self.shapes)
 
 
-def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -> EdgeQuadrature:
+def boundary_quadrature(space: Space[Mesh], name: str) -> list[EdgeQuadrature]:
+    """Quadrature on a named set of edges, or in space of faces, those with each number of corners by themselves.
+
+    On faces functions are those of the plane virtual element; integrands of degree 2 beside them are exact.
+    """
+    mesh = space.mesh
+    if not isinstance(mesh, PolyhedralMesh):
+        return [edge_quadrature(space, space.plane_mesh.edge_set(name))]
+    rules = []
+    for batch in face_batches(mesh, mesh.face_set(name)):
+        flat, weights = polygon_quadrature(batch.flat, 3)
+        normals = batch.normals * mesh.face_sides[batch.faces, None]
+        points = batch.in_space(flat)
+        shapes = np.einsum("aqe,ame->eqm", batch.plane.at(flat), batch.plane.value)
+        nodes = mesh.face_points[batch.places]
+        rules.append(EdgeQuadrature(nodes, points, weights.T, shapes, np.broadcast_to(normals[:, None], points.shape)))
+    return rules
+
+
+def edge_quadrature(space: Space[Any], pairs: Indices, n_points: int | None = None) -> EdgeQuadrature:
     """Quadrature on edges given as pairs of points (n, 2), body on the left.
 
     Exact to degree ``2 n_points - 1``, by default ``2 order + 3``.
@@ -118,13 +148,15 @@ def edge_quadrature(space: Space, pairs: Indices, n_points: int | None = None) -
 # --- Supports of an elastic body: items of an `Elasticity` problem.
 
 
-def _check_place(owner: str, where: str | Point) -> None:
-    if not isinstance(where, str) and not are_finite(where, 2):
+def _check_place(owner: str, where: str | Place) -> None:
+    if not isinstance(where, str) and not are_finite(where, 2) and not are_finite(where, 3):
         raise InputError(f"{owner} at {short(where)}", "the name of an edge set, or a point (x, y)", "correct it")
 
 
-def axes(angle: float) -> Floats:
-    """Directions of the first and second axis of a frame turned counter-clockwise, the rows of (2, 2)."""
+def axes(angle: float, dimension: int = 2) -> Floats:
+    """Directions of the axes of a frame turned counter-clockwise, the rows of (2, 2); in space (3, 3), not turned."""
+    if dimension == 3:
+        return np.eye(3)
     turn = angle / (np.pi / 2.0)
     if turn == round(turn):  # quarter turns without round-off, so that unknowns stay apart
         angle_cos, angle_sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(turn) % 4]
@@ -135,38 +167,46 @@ def axes(angle: float) -> Floats:
 
 @dataclass(frozen=True)
 class PrescribedDisplacement:
-    """Displacements given on named edges or at a point, each component on its own.
+    """Displacements given on named edges or faces or at a point, each component on its own.
 
     Parameters
     ----------
     where
-        Name of an edge set, or a point of the mesh.
-    x, y
-        Displacement along each axis: a number, a function of points (n, 2) with values (n,), or None for free.
+        Name of an edge set, in space of a face set, or a point of the mesh.
+    x, y, z
+        Displacement along each axis: a number, a function of points (n, d) with values (n,), or None for free.
     angle
-        Angle in radians from the x axis of space to the x axis of this support, counter-clockwise.
+        Angle in radians from the x axis of space to the x axis of this support, counter-clockwise; in the plane.
 
     """
 
-    where: str | Point
+    where: str | Place
     x: Scalar | None = None
     y: Scalar | None = None
     angle: float = 0.0
+    z: Scalar | None = None
 
     def __post_init__(self) -> None:
         owner = f"PrescribedDisplacement({short(self.where)})"
         _check_place(owner, self.where)
         check_angle(owner, "angle", self.angle)
-        for name, value in (("x", self.x), ("y", self.y)):
+        for name, value in zip("xyz", self.components, strict=True):
             if value is not None:
                 check_scalar(f"{owner}: {name}", value)
-        if self.x is None and self.y is None:
-            raise InputError(f"{owner} without x and y", "at least one of them", "give x=0.0 or y=0.0, or leave it out")
+        if self.components == (None, None, None):
+            raise InputError(
+                f"{owner} without x, y and z", "at least one of them", "give x=0.0 or y=0.0, or leave it out"
+            )
+
+    @property
+    def components(self) -> tuple[Scalar | None, ...]:
+        """Displacements along x, y, z."""
+        return self.x, self.y, self.z
 
 
-def fixed(where: str | Point) -> PrescribedDisplacement:
-    """Support that holds both components of named edges, or of a point, at zero."""
-    return PrescribedDisplacement(where, x=0.0, y=0.0)
+def fixed(where: str | Place, dimension: int = 2) -> PrescribedDisplacement:
+    """Support that holds all components of named edges or faces, or of a point, at zero."""
+    return PrescribedDisplacement(where, x=0.0, y=0.0, z=0.0 if dimension == 3 else None)
 
 
 @dataclass(frozen=True)
@@ -176,27 +216,28 @@ class Spring:
     Parameters
     ----------
     where
-        Name of an edge set, or a point of the mesh.
-    x, y
-        Stiffness along each axis, 0 for none: pressure per displacement on edges, force per displacement at a point
-        (in a body of revolution, of the whole circle).
+        Name of an edge set, in space of a face set, or a point of the mesh.
+    x, y, z
+        Stiffness along each axis, 0 for none: pressure per displacement on edges and faces, force per displacement at a
+        point (in a body of revolution, of the whole circle).
     angle
         Angle in radians from the x axis of space to the x axis of this support, counter-clockwise.
 
     """
 
-    where: str | Point
+    where: str | Place
     x: float = 0.0
     y: float = 0.0
     angle: float = 0.0
+    z: float = 0.0
 
     def __post_init__(self) -> None:
         owner = f"Spring({short(self.where)})"
         _check_place(owner, self.where)
         check_angle(owner, "angle", self.angle)
-        if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
+        if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y, self.z)) or self.x == self.y == self.z == 0.0:
             raise InputError(
-                f"{owner}: stiffnesses x={self.x}, y={self.y}",
+                f"{owner}: stiffnesses x={self.x}, y={self.y}, z={self.z}",
                 "numbers >= 0, and one of them positive",
                 "give the stiffness along each axis; to hold a component take PrescribedDisplacement",
             )
@@ -271,7 +312,7 @@ class LoadedProblem(Protocol):
     @property
     def name(self) -> str: ...  # noqa: D102
     @property
-    def space(self) -> Space: ...  # noqa: D102
+    def space(self) -> Space[Any]: ...  # noqa: D102
     @property
     def materials(self) -> tuple[Material, ...]: ...  # noqa: D102
     @property
@@ -293,11 +334,11 @@ class AppliedLoad(ABC):
 
     @abstractmethod
     def forces(self, problem: LoadedProblem) -> Floats:
-        """Forces on all unknowns, shape (n_dofs, 2)."""
+        """Forces on all unknowns, shape (n_dofs, d)."""
 
 
 def refuse_held(load: AppliedLoad, problem: LoadedProblem, held: Bools) -> None:
-    """Raise `InputError` for a load that acts on held displacements (n_nodes, 2) alone, where it does nothing."""
+    """Raise `InputError` for a load that acts on held displacements (n_nodes, d) alone, where it does nothing."""
     forces = np.abs(load.forces(problem))
     maximum = float(forces.max(initial=0.0))
     forces[: len(held)][held] = 0.0
@@ -313,7 +354,7 @@ def refuse_held(load: AppliedLoad, problem: LoadedProblem, held: Bools) -> None:
 
 @dataclass(frozen=True)
 class _EdgeLoad(AppliedLoad):
-    """Force per area on named edges."""
+    """Force per area on named edges, in space on named faces."""
 
     edges: str
 
@@ -323,21 +364,21 @@ class _EdgeLoad(AppliedLoad):
 
     def check(self, problem: LoadedProblem) -> None:
         """See `AppliedLoad.check`."""
-        problem.space.mesh.edge_set(self.edges)
+        problem.space.nodes_along(self.edges)
 
     def forces(self, problem: LoadedProblem) -> Floats:
         """See `AppliedLoad.forces`."""
-        rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(self.edges))
-        values = self._tractions(rule.points.reshape(-1, 2), rule.normals.reshape(-1, 2)).reshape(rule.points.shape)
-        weights = rule.weights * problem.depth(rule.points)
-        at_nodes = np.einsum("eq,eqi,qm->emi", weights, values, rule.shapes)
-        forces = np.zeros((problem.space.n_dofs, 2))
-        np.add.at(forces, rule.nodes, at_nodes)
+        forces = np.zeros((problem.space.n_dofs, problem.space.dimension))
+        for rule in boundary_quadrature(problem.space, self.edges):
+            rows = (array.reshape(-1, forces.shape[1]) for array in (rule.points, rule.normals))
+            values = self._tractions(*rows).reshape(rule.points.shape)
+            weighted = replace(rule, weights=rule.weights * problem.depth(rule.points))
+            np.add.at(forces, rule.nodes, weighted.integrals(values))
         return forces
 
     @abstractmethod
     def _tractions(self, points: Floats, normals: Floats) -> Floats:
-        """Force per area at points with outward normals, each (n, 2)."""
+        """Force per area at points with outward normals, each (n, d)."""
 
 
 @dataclass(frozen=True)
@@ -347,9 +388,9 @@ class Traction(_EdgeLoad):
     Parameters
     ----------
     edges
-        Name of an edge set.
+        Name of an edge set, in space of a face set.
     value
-        Components x and y, or a function of points (n, 2) with values (n, 2).
+        Components x and y, in space z, or a function of points (n, d) with values (n, d).
 
     """
 
@@ -369,9 +410,9 @@ class Pressure(_EdgeLoad):
     Parameters
     ----------
     edges
-        Name of an edge set.
+        Name of an edge set, in space of a face set.
     value
-        A number, or a function of points (n, 2) with values (n,).
+        A number, or a function of points (n, d) with values (n,).
 
     """
 
@@ -386,16 +427,15 @@ class Pressure(_EdgeLoad):
 
 @dataclass(frozen=True, eq=False)
 class GivenForces(AppliedLoad):
-    """Forces on all unknowns, shape (n_dofs, 2)."""
+    """Forces on all unknowns, shape (n_dofs, d)."""
 
     values: Floats
 
     def check(self, problem: LoadedProblem) -> None:
         """See `AppliedLoad.check`."""
-        if self.values.shape != (problem.space.n_dofs, 2):
-            raise InputError(
-                f"forces of shape {self.values.shape}", f"({problem.space.n_dofs}, 2)", "give a force for each unknown"
-            )
+        shape = (problem.space.n_dofs, problem.space.dimension)
+        if self.values.shape != shape:
+            raise InputError(f"forces of shape {self.values.shape}", f"{shape}", "give a force for each unknown")
 
     def forces(self, problem: LoadedProblem) -> Floats:  # noqa: ARG002 (they are given)
         """See `AppliedLoad.forces`."""
@@ -413,12 +453,12 @@ class PointForce(AppliedLoad):
     at
         Place of a node.
     force
-        Components x and y.
+        Components x and y, in space z.
 
     """
 
-    at: Point
-    force: Point
+    at: Place
+    force: Place
 
     def __post_init__(self) -> None:
         check_vector("PointForce(at)", self.at)
@@ -432,8 +472,8 @@ class PointForce(AppliedLoad):
 
     def forces(self, problem: LoadedProblem) -> Floats:
         """See `AppliedLoad.forces`."""
-        forces = np.zeros((problem.space.n_dofs, 2))
-        forces[problem.node_at(self.at)] = self.force
+        forces = np.zeros((problem.space.n_dofs, problem.space.dimension))
+        forces[problem.node_at(self.at)] = vector_at(f"PointForce at {self.at}", self.force, forces[:1])[0]
         return forces
 
 
@@ -444,7 +484,7 @@ class BodyForce(AppliedLoad):
     Parameters
     ----------
     value
-        Components x and y, or a function of points (n, 2) with values (n, 2).
+        Components x and y, in space z, or a function of points (n, d) with values (n, d).
     cells
         Name of the cell set that it acts on; None is the whole body.
 
@@ -474,11 +514,11 @@ class Gravity(AppliedLoad):
     Parameters
     ----------
     acceleration
-        Components x and y, in the units of the model: (0, -9810) in mm, s and t.
+        Components x and y, in space z, in the units of the model: (0, -9810) in mm, s and t.
 
     """
 
-    acceleration: Point
+    acceleration: Place
 
     def __post_init__(self) -> None:
         check_vector("Gravity", self.acceleration)
@@ -507,15 +547,15 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
     space = problem.space
     # a constant is of degree 0, times the radius of degree 1
     degree = 2 * space.order + 2 if callable(value) else space.order + 1
-    forces = np.zeros((space.n_dofs, 2))
+    forces = np.zeros((space.n_dofs, space.dimension))
     for batch in space.batches():
         here = factors[batch.cells]
         if not here.any():
             continue
         reconstruction = batch.reconstruction
-        points, weights = polygon_quadrature(batch.outline, degree)
+        points, weights = batch.quadrature(degree)
         rows = points.swapaxes(1, 2)
-        values = vector_at("a force per volume", value, rows.reshape(-1, 2)).reshape(rows.shape)
+        values = vector_at("a force per volume", value, rows.reshape(-1, space.dimension)).reshape(rows.shape)
         weights = weights * problem.depth(rows) * here
         products = np.einsum("aqe,qe,qei->iae", reconstruction.at(points), weights, values)
         np.add.at(forces, batch.dofs, np.einsum("iae,ame->mei", products, reconstruction.projected_value))
@@ -529,7 +569,7 @@ class TemperatureChange(AppliedLoad):
     Parameters
     ----------
     change
-        A number, or a function of points (n, 2) with values (n,).
+        A number, or a function of points (n, d) with values (n,).
     cells
         Name of the cell set that it acts on; None is the whole body.
 
@@ -548,12 +588,12 @@ class TemperatureChange(AppliedLoad):
             _ = problem.materials[number].thermal_strain
 
     def at(self, points: Floats) -> Floats:
-        """Rise of temperature at points (n, 2), shape (n,)."""
+        """Rise of temperature at points (n, d), shape (n,)."""
         return scalar_at("TemperatureChange", self.change, points)
 
     def forces(self, problem: LoadedProblem) -> Floats:
         """See `AppliedLoad.forces`."""
-        forces = np.zeros((problem.space.n_dofs, 2))
+        forces = np.zeros((problem.space.n_dofs, problem.space.dimension))
         for batch in problem.space.batches():
             reconstruction = batch.reconstruction
             local = problem.thermal_forces(batch, reconstruction, [self])

@@ -136,7 +136,7 @@ class Torsion:
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (Moherdaui 2021, 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         moduli = self.cell_moduli[batch.cells]
         if self.formulation == "prandtl":
             moduli = 1.0 / moduli
@@ -223,7 +223,7 @@ class Torsion:
             ``tau_zy``, shape (2, n_monomials(degree), n_cells).
 
         """
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         gradient = np.einsum("aime,me->iae", reconstruction.value_gradient, function[batch.dofs])
         if self.formulation == "prandtl":
             return reconstruction, np.stack((gradient[1], -gradient[0]))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, point_text, turned_right
+from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
 from flangeway.types import Bools, Floats, Ints
@@ -23,9 +24,9 @@ AXIS = -1
 """Stands for the number of a support in constraints that keep nodes on the axis of revolution."""
 
 
-def components(nodes: Ints) -> Ints:
-    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
-    return (2 * nodes[:, None] + np.arange(2)).ravel()
+def components(nodes: Ints, dimension: int = 2) -> Ints:
+    """Numbers of the d components of nodes, one node after the other, shape (d n,)."""
+    return (dimension * nodes[:, None] + np.arange(dimension)).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +36,7 @@ class Rows:
     - `supports`: number of each row's support among the problem's, or `AXIS`, (n,).
     - `nodes`: node that each row comes from, -1 for a prescribed motion of a handle, (n,).
     - `groups`: that node, or the number of nodes and that of the handle which moves it, (n,).
-    - `directions`: along x, y and the rotation about a handle's pivot, (n, 3).
+    - `directions`: along x, y and the rotation about a handle's pivot, in space along x, y, z, (n, 3).
     - `values`: (n,).
     """
 
@@ -45,14 +46,14 @@ class Rows:
     directions: Floats
     values: Floats
 
-    def products(self, size: float) -> tuple[Ints, Ints, Floats, Floats]:
-        """Sums of the directions' products with themselves in each group, rotations times a size.
+    def products(self, scale: Floats) -> tuple[Ints, Ints, Floats, Floats]:
+        """Sums of the directions' products with themselves in each group, motions times a scale (3,).
 
         Returned: the groups that have rows (g,), the place of each row's group among them (n,), the directions in these
         units (n, 3), and the sums, (g, 3, 3).
         """
         groups, group_rows = np.unique(self.groups, return_inverse=True)
-        scaled, sums = self.directions / (1.0, 1.0, size), np.zeros((len(groups), 3, 3))
+        scaled, sums = self.directions / scale, np.zeros((len(groups), 3, 3))
         np.add.at(sums, group_rows, scaled[:, :, None] * scaled[:, None])
         return groups, group_rows, scaled, sums
 
@@ -81,13 +82,13 @@ class SupportConstraints:
     Parameters
     ----------
     transform
-        Shape (2 n_nodes, n_free), orthonormal columns but for those of handles.
+        Shape (d n_nodes, n_free), orthonormal columns but for those of handles.
     shift
-        Shape (2 n_nodes,).
+        Shape (d n_nodes,).
     groups
         Node of each free unknown, numbers from n_nodes for handles, shape (n_free,).
     kept
-        Which displacements are free unknowns themselves, shape (2 n_nodes,), if no frame is turned and no handle there.
+        Which displacements are free unknowns themselves, shape (d n_nodes,), if no frame is turned and no handle there.
     rows
         All constraints.
     handles
@@ -106,7 +107,7 @@ class SupportConstraints:
     bases: tuple[Floats, ...]
 
 
-def find_constraints(problem: Elasticity) -> SupportConstraints:
+def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
     """Gather the supports of a problem.
 
     Raises
@@ -115,40 +116,44 @@ def find_constraints(problem: Elasticity) -> SupportConstraints:
         If two supports contradict each other, or two handles share a node.
 
     """
-    space, scale = problem.space, np.array([1.0, 1.0, problem.size])
+    space, d = problem.space, problem.dimension
+    scale = np.array([1.0, 1.0, problem.size if d == 2 else 1.0])
     handles = _handles(problem)
     rows = _rows(problem, handles)
-    groups, group_rows, scaled, products = rows.products(problem.size)
+    groups, group_rows, scaled, products = rows.products(scale)
     at_nodes = groups < space.n_nodes
-    products[at_nodes, 2, 2] = 1.0  # a node does not turn
+    if d == 2:
+        products[at_nodes, 2, 2] = 1.0  # a node does not turn
     right = np.zeros((len(groups), 3))
     np.add.at(right, group_rows, scaled * rows.values[:, None])
     held, vectors, motions = _least_motions(products, right)
     _refuse_contradiction(problem, np.einsum("ni,ni->n", scaled, motions[group_rows]) - rows.values, rows, handles)
-    nodes, motions, shift = groups[at_nodes], motions / scale, np.zeros((space.n_nodes, 2))
-    shift[nodes] = motions[at_nodes, :2]
+    nodes, motions, shift = groups[at_nodes], motions / scale, np.zeros((space.n_nodes, d))
+    shift[nodes] = motions[at_nodes, :d]
     bases = [np.eye(3)] * len(handles)
     for i in np.flatnonzero(~at_nodes).tolist():
         number = int(groups[i]) - space.n_nodes
         bases[number] = vectors[i][:, ~held[i]] / scale[:, None]
         shift[handles[number].nodes] = handles[number].arms @ motions[i]
 
-    left = np.where(held[at_nodes, :1], 0.0, vectors[at_nodes, :2, 0])  # the direction of a node that nothing holds
-    free = np.zeros((space.n_nodes, 2), dtype=np.bool_)
+    # the directions in which nothing holds a node, by columns: (n, d, d)
+    left = np.where(held[at_nodes, None], 0.0, vectors[at_nodes])[:, :d, :d]
+    free = np.zeros((space.n_nodes, d), dtype=np.bool_)
     for batch in space.batches():
         free[batch.dofs[: len(batch.dofs) - batch.element.n_interior()]] = True
-    along_axis = np.abs(left) == 1.0
+    along_axis = (np.abs(left) == 1.0).any(axis=2)
     free[nodes] = along_axis
     for handle in handles:
         free[handle.nodes] = False
-    plain, oblique = np.flatnonzero(free.ravel()), np.flatnonzero(left.any(axis=1) & ~along_axis.any(axis=1))
+    plain = np.flatnonzero(free.ravel())
+    oblique, column = np.nonzero(left.any(axis=1) & ~(np.abs(left) == 1.0).any(axis=1))
     # rows, columns and values of the transform, and the groups of its columns
     turned = len(plain) + np.arange(len(oblique))
     entries = [
         (plain, np.arange(len(plain)), np.ones(len(plain))),
-        (components(nodes[oblique]), np.repeat(turned, 2), left[oblique].ravel()),
+        (components(nodes[oblique], d), np.repeat(turned, d), left[oblique, :, column].ravel()),
     ]
-    of_columns = [plain // 2, nodes[oblique]]
+    of_columns = [plain // d, nodes[oblique]]
     for number, (handle, basis) in enumerate(zip(handles, bases, strict=True)):
         columns, at = sum(map(len, of_columns)) + np.arange(basis.shape[1]), components(handle.nodes)
         entries.append((np.repeat(at, len(columns)), np.tile(columns, len(at)), (handle.arms @ basis).ravel()))
@@ -160,7 +165,7 @@ def find_constraints(problem: Elasticity) -> SupportConstraints:
     return SupportConstraints(transform, shift.ravel(), unknowns, kept, rows, tuple(handles), tuple(bases))
 
 
-def _rows(problem: Elasticity, handles: Sequence[HandleNodes]) -> Rows:
+def _rows(problem: Elasticity[Any], handles: Sequence[HandleNodes]) -> Rows:
     """Constraints by prescribed motions of handles and of nodes, and by the axis of revolution."""
     points, n_nodes = problem.space.nodes, problem.space.n_nodes
     none, owners = np.empty(0, dtype=np.int64), np.arange(n_nodes)
@@ -174,7 +179,7 @@ def _rows(problem: Elasticity, handles: Sequence[HandleNodes]) -> Rows:
         parts.append((supports, np.full(len(motions), -1), of_handle, np.eye(3)[list(motions)], values))
 
     def add(support: int, nodes: Ints, direction: Floats, values: Floats) -> None:
-        groups, directions = owners[nodes], np.tile(np.append(direction, 0.0), (len(nodes), 1))
+        groups, directions = owners[nodes], np.tile(np.append(direction, 0.0)[:3], (len(nodes), 1))
         for number, handle in enumerate(handles):
             on = groups == n_nodes + number
             directions[on, 2] = cross_product(points[nodes[on]] - handle.pivot, direction)
@@ -183,7 +188,8 @@ def _rows(problem: Elasticity, handles: Sequence[HandleNodes]) -> Rows:
     for number, support in enumerate(problem.supports):
         if isinstance(support, PrescribedDisplacement):
             nodes, name = problem.support_nodes(support), f"PrescribedDisplacement({short(support.where)})"
-            for direction, value in zip(axes(support.angle), (support.x, support.y), strict=True):
+            d = problem.dimension
+            for direction, value in zip(axes(support.angle, d), support.components[:d], strict=True):
                 if value is not None:
                     add(number, nodes, direction, scalar_at(name, value, points[nodes]))
     if problem.axisymmetric:
@@ -191,7 +197,7 @@ def _rows(problem: Elasticity, handles: Sequence[HandleNodes]) -> Rows:
     return Rows(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def _handles(problem: Elasticity) -> list[HandleNodes]:
+def _handles(problem: Elasticity[Any]) -> list[HandleNodes]:
     """Handles and their nodes."""
     taken, handles = np.zeros(problem.space.n_nodes, dtype=np.bool_), []
     for number, support in enumerate(problem.supports):
@@ -208,14 +214,11 @@ def _handles(problem: Elasticity) -> list[HandleNodes]:
             )
         taken[nodes] = True
         pivot = (points.min(axis=0) + points.max(axis=0)) / 2.0 if support.pivot is None else np.array(support.pivot)
-        arms = np.zeros((len(nodes), 2, 3))
-        arms[:, 0, 0] = arms[:, 1, 1] = 1.0
-        arms[:, :, 2] = -turned_right(points - pivot)
-        handles.append(HandleNodes(support, number, nodes, arms, pivot))
+        handles.append(HandleNodes(support, number, nodes, rigid_motions(points - pivot), pivot))
     return handles
 
 
-def _own_motions(problem: Elasticity, handle: HandleNodes) -> dict[int, tuple[int, float]]:
+def _own_motions(problem: Elasticity[Any], handle: HandleNodes) -> dict[int, tuple[int, float]]:
     """Prescribed motions of a handle, each with its support; in a body of revolution it only moves along the axis."""
     support = handle.support
     motions = {i: (handle.number, value) for i, value in enumerate(support.prescribed) if value is not None}
@@ -238,7 +241,7 @@ def _least_motions(normal: Floats, right: Floats) -> tuple[Bools, Floats, Floats
     return held, vectors, np.einsum("...ij,...j,...kj,...k->...i", vectors, inverse, vectors, right)
 
 
-def _refuse_contradiction(problem: Elasticity, misfit: Floats, rows: Rows, handles: Sequence[HandleNodes]) -> None:
+def _refuse_contradiction(problem: Elasticity[Any], misfit: Floats, rows: Rows, handles: Sequence[HandleNodes]) -> None:
     # values of all nodes are compared with their maximum, those of each handle with its own
     kinds = np.maximum(rows.groups - (problem.space.n_nodes - 1), 0)
     most = np.full(1 + len(handles), np.finfo(np.float64).tiny)
@@ -249,8 +252,7 @@ def _refuse_contradiction(problem: Elasticity, misfit: Floats, rows: Rows, handl
     first = int(wrong.argmax())
     name = f"handle `{handles[kinds[first] - 1].support.edges}`" if kinds[first] else "the point"
     if rows.nodes[first] >= 0:
-        x, y = problem.space.nodes[rows.nodes[first]]
-        name += f" at ({x:g}, {y:g})"
+        name += f" at {point_text(problem.space.nodes[rows.nodes[first]])}"
     group = rows.groups == rows.groups[first]
     names = {str(problem.supports[number]) for number in rows.supports[group] if number != AXIS}
     raise InputError(
@@ -274,29 +276,41 @@ MIN_CONSTRAINED = 1e-9
 """Singular value of the constraints, relative to the maximum, below which a motion is free."""
 
 
-def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) -> None:
+def rigid_motions(arms: Floats) -> Floats:
+    """Velocities of points with arms (n, d) by unit translations, then rotations: (n, d, 3), in space (n, d, 6)."""
+    n, d = arms.shape
+    planes = ((0, 1),) if d == 2 else ((1, 2), (2, 0), (0, 1))
+    motions = np.zeros((n, d, d + len(planes)))
+    motions[:, np.arange(d), np.arange(d)] = 1.0
+    for number, (i, j) in enumerate(planes):  # turned from axis i to axis j
+        motions[:, i, d + number], motions[:, j, d + number] = -arms[:, j], arms[:, i]
+    return motions
+
+
+def refuse_free_motions(problem: Elasticity[Any], constraints: SupportConstraints) -> None:
     """Raise `InputError` with the motion that nothing holds, found from the constraints before anything is factorised.
 
-    The mesh's pieces (cells joined by edges) have two translations and a rotation each; they are tied by common points
-    and by the supports.
+    The mesh's pieces (cells joined by edges, in space by faces) have two translations and a rotation each, in space
+    three of both; they are tied by common points and by the supports.
     """
     pieces, n_pieces = _pieces(problem)
     centre = problem.space.mesh.points.mean(axis=0)
     motions = _unheld(problem, constraints, pieces, n_pieces, centre)
     for piece in range(n_pieces):
-        described = described_motions(motions[3 * piece : 3 * piece + 3], centre, problem.size)
+        n = len(motions) // n_pieces
+        described = described_motions(motions[n * piece : n * piece + n], centre, problem.size)
         if described:
             raise InputError(
                 f"body `{problem.name}`{_which(problem, pieces, piece, n_pieces)} {described}",
-                "supports that hold both translations and the rotation of every piece of the mesh",
+                "supports that hold all translations and rotations of every piece of the mesh",
                 "add a support against this motion (in Python a spring will do as well)",
             )
 
 
 def _unheld(
-    problem: Elasticity, constraints: SupportConstraints, pieces: Ints, n_pieces: int, centre: Floats
+    problem: Elasticity[Any], constraints: SupportConstraints, pieces: Ints, n_pieces: int, centre: Floats
 ) -> Floats:
-    """Rigid motions of the pieces that nothing resists, rotations times the size, shape (3 n_pieces, n_free).
+    """Rigid motions of the pieces that nothing resists, rotations times the size, shape (3 or 6 n_pieces, n_free).
 
     With the velocities M of the nodes by the motions c, ``(I - T T^+) M c`` is what supports forbid, of which T is the
     transform, and what springs resist is ``K M c`` with their stiffness; pieces that share a point move it alike.
@@ -304,24 +318,26 @@ def _unheld(
     nodes, owners = _nodes_of_pieces(problem, pieces)
     arms = (problem.space.nodes[nodes] - centre) / problem.size
     # M_(n i)(p j): component i of a node's velocity by motion j of its piece
-    rows, by_piece = np.arange(len(nodes)), np.zeros((len(nodes), 2, n_pieces, 3))
-    by_piece[rows, 0, owners, 0] = by_piece[rows, 1, owners, 1] = 1.0
-    by_piece[rows, 0, owners, 2], by_piece[rows, 1, owners, 2] = -arms[:, 1], arms[:, 0]
-    velocities = by_piece.reshape(len(nodes), 2, 3 * n_pieces)
+    unit = rigid_motions(arms)
+    by_piece = np.zeros((*unit.shape[:2], n_pieces, unit.shape[2]))
+    by_piece[np.arange(len(nodes)), :, owners] = unit
+    n_motions = n_pieces * unit.shape[2]
+    velocities = by_piece.reshape(len(nodes), -1, n_motions)
     new = np.diff(nodes, prepend=-1) > 0
     later = np.flatnonzero(~new)
-    at_nodes = np.zeros((problem.space.n_nodes, 2, 3 * n_pieces))
+    at_nodes = np.zeros((problem.space.n_nodes, problem.dimension, n_motions))
     at_nodes[nodes[new]] = velocities[new]
-    moved, transform = at_nodes.reshape(-1, 3 * n_pieces), sp.csc_array(constraints.transform)
+    moved, transform = at_nodes.reshape(-1, n_motions), sp.csc_array(constraints.transform)
     allowed = np.zeros_like(moved)
     if transform.shape[1]:
         allowed = transform @ splu(sp.csc_array(transform.T @ transform)).solve(transform.T @ moved)
-    conditions = [moved - allowed, (velocities[later] - velocities[later - 1]).reshape(-1, 3 * n_pieces)]
+    conditions = [moved - allowed, (velocities[later] - velocities[later - 1]).reshape(-1, n_motions)]
     for spring in problem.springs:
-        unit = problem.spring_stiffness(replace(spring, x=float(spring.x > 0.0), y=float(spring.y > 0.0)))
-        conditions.append(unit @ moved / abs(unit).max())
+        x, y, z = (float(stiffness > 0.0) for stiffness in (spring.x, spring.y, spring.z))
+        stiffness = problem.spring_stiffness(replace(spring, x=x, y=y, z=z))
+        conditions.append(stiffness @ moved / abs(stiffness).max())
     if problem.axisymmetric:  # a body of revolution only moves along its axis
-        conditions.append(np.eye(3 * n_pieces)[np.arange(3 * n_pieces) % 3 != 1])
+        conditions.append(np.eye(n_motions)[np.arange(n_motions) % 3 != 1])
     _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))
     return vectors[values <= MIN_CONSTRAINED * max(values.max(), 1.0)].T
 
@@ -362,8 +378,7 @@ def _refuse_without_energy(body: LinearBody) -> None:
     for piece in range(n_pieces):
         here = np.flatnonzero((pieces == piece) & (nodes < len(body.nodes)))
         arm = (body.nodes[nodes[here]] - centre) / body.size
-        along_x = components[here] == 0
-        motions = np.column_stack((along_x, ~along_x, np.where(along_x, -arm[:, 1], arm[:, 0]))).astype(np.float64)
+        motions = rigid_motions(arm)[np.arange(len(here)), components[here]]
         part = stiffness[here][:, here]
         weights = np.sqrt(part.diagonal())[:, None]
         # unit motions by the work that the diagonal alone would do
@@ -393,16 +408,16 @@ def _refuse_without_energy(body: LinearBody) -> None:
             )
 
 
-def _pieces(problem: Elasticity) -> tuple[Ints, int]:
+def _pieces(problem: Elasticity[Any]) -> tuple[Ints, int]:
     """Number of each cell's piece, and how many there are."""
     mesh = problem.space.mesh
-    pairs = mesh.edge_cells[mesh.edge_cells[:, 1] >= 0]
+    pairs = mesh.cell_neighbours
     graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_cells, mesh.n_cells))
     n_pieces, labels = sp.csgraph.connected_components(graph, directed=False)
     return labels.astype(np.int64), int(n_pieces)
 
 
-def _nodes_of_pieces(problem: Elasticity, pieces: Ints) -> tuple[Ints, Ints]:
+def _nodes_of_pieces(problem: Elasticity[Any], pieces: Ints) -> tuple[Ints, Ints]:
     """Pairs of a node and a piece that it belongs to, sorted by nodes."""
     keys = []
     for batch in problem.space.batches():
@@ -412,19 +427,23 @@ def _nodes_of_pieces(problem: Elasticity, pieces: Ints) -> tuple[Ints, Ints]:
     return nodes, owners
 
 
-def _which(problem: Elasticity, pieces: Ints, piece: int, n_pieces: int) -> str:
+def _which(problem: Elasticity[Any], pieces: Ints, piece: int, n_pieces: int) -> str:
     if n_pieces == 1:
         return ""
-    x, y = problem.space.mesh.cell_centroids[np.flatnonzero(pieces == piece)[0]]
-    return f", its piece with the cell at ({x:g}, {y:g}),"
+    mesh = problem.space.mesh
+    corners = mesh.corners(np.flatnonzero(pieces == piece)[0])
+    return f", its piece with the cell at {point_text(mesh.points[corners].mean(axis=0))},"
 
 
 def described_motions(motions: Floats, centre: Floats, size: float) -> str:
-    """Words for the motions (3, n) of a piece, empty if it stays at rest."""
+    """Words for the motions (3, n) of a piece, in space (6, n), empty if it stays at rest."""
     left, values, _ = np.linalg.svd(motions, full_matrices=False)
     basis = left[:, values > 1e-6]
     if basis.shape[1] == 0:
         return ""
+    if len(basis) == 6:
+        words = [f"{name} {axis}" for name in ("slide in", "turn about") for axis in "xyz"]
+        return "can " + ", ".join(word for word, row in zip(words, basis, strict=True) if np.abs(row).max() > 1e-6)
     if basis.shape[1] == 3:
         return "can slide in x, slide in y and turn: nothing holds it"
     turn = basis[2]

@@ -1,6 +1,8 @@
 """Solutions by one sparse Cholesky factor: plane elasticity, bodies at one wavenumber, torsion."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -8,6 +10,7 @@ from numpy.typing import NDArray
 
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import point_text
 from flangeway.problems import ElasticField, Elasticity, PointForce, Pressure, Torsion, Traction
 from flangeway.problems.harmonic import Harmonic
 from flangeway.problems.loads import refuse_held
@@ -15,14 +18,14 @@ from flangeway.results import Result, ResultTable
 from flangeway.solve.constraints import SupportConstraints, find_constraints, refuse_free_motions
 from flangeway.solve.linear import solve_linear
 from flangeway.solve.status import Status
-from flangeway.space import DifferenceProduct, SymmetricMatrix
+from flangeway.space import DifferenceProduct, Mesh, SymmetricMatrix
 from flangeway.types import Bools, Floats
 
 # --- Solution of linear elasticity by one sparse Cholesky factor.
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticitySolution(ElasticField):
+class ElasticitySolution(ElasticField[Mesh]):
     """Displacements of an elastic body in equilibrium.
 
     Parameters
@@ -32,9 +35,9 @@ class ElasticitySolution(ElasticField):
     status
         How the computation ended.
     nodal_reactions
-        Forces of supports without springs on the nodes, shape (n_nodes, 2).
+        Forces of supports without springs on the nodes, shape (n_nodes, d).
     spring_forces
-        Forces of each of ``problem.springs`` on the nodes, shape (n_springs, n_nodes, 2).
+        Forces of each of ``problem.springs`` on the nodes, shape (n_springs, n_nodes, d).
     handle_motions
         Translations x, y of the pivot and rotation of each of ``problem.handles``, shape (n_handles, 3).
     energy
@@ -58,12 +61,12 @@ class ElasticitySolution(ElasticField):
     load_work: float
     constraints: SupportConstraints
 
-    def displacement_at_node(self, point: tuple[float, float]) -> Floats:
-        """Displacement (2,) of the node at a given place; an InputError where there is none."""
+    def displacement_at_node(self, point: Sequence[float]) -> Floats:
+        """Displacement (d,) of the node at a given place; an InputError where there is none."""
         return self.displacements[self.problem.node_at(point)]
 
 
-def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
+def solve_elasticity(problem: Elasticity[Mesh]) -> ElasticitySolution[Mesh]:
     """Solve for the displacements under all loads.
 
     Internal unknowns of cells are condensed before assembly and recovered afterwards.
@@ -76,7 +79,8 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     """
     constraints = find_constraints(problem)
     refuse_free_motions(problem, constraints)
-    held = (np.diff(constraints.transform.indptr) == 0).reshape(-1, 2)
+    d = problem.dimension
+    held = (np.diff(constraints.transform.indptr) == 0).reshape(-1, d)
     for item in problem.loads:
         if isinstance(item, Traction | Pressure | PointForce):
             refuse_held(item, problem, held)
@@ -89,6 +93,7 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
         constraints.transform,
         axisymmetric=problem.axisymmetric,
         springs=added,
+        dimension=d,
     )
     mechanical = problem.load_vector()
     thermal = problem.thermal_load_vector()
@@ -100,12 +105,12 @@ def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
     status = status.with_notices(problem.locking)
     nodal = constraints.transform @ free_values + constraints.shift
     displacements = condensed.recover(nodal, mechanical + thermal)
-    spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // 2, 2)
+    spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // d, d)
     # f - K_bi K_ii^-1 f_i is the condensed load
-    reactions = (product.at_nodes(nodal) - load).reshape(-1, 2)
+    reactions = (product.at_nodes(nodal) - load).reshape(-1, d)
     internal = (reactions + spring_forces.sum(axis=0)).ravel()
     internal_work = float(np.sum(displacements * (mechanical + thermal))) + float(internal @ nodal)
-    spring_energy = -0.5 * float(np.sum(spring_forces * nodal.reshape(1, -1, 2)))
+    spring_energy = -0.5 * float(np.sum(spring_forces * nodal.reshape(1, -1, d)))
     motions = _handle_motions(constraints, nodal)
     work = float(np.sum(displacements * mechanical)) + float(np.sum(handle_forces * motions))
     energy = 0.5 * internal_work - float(np.sum(displacements * thermal)) + problem.thermal_energy()
@@ -124,7 +129,7 @@ def _reduced(matrix: SymmetricMatrix, constraints: SupportConstraints) -> Symmet
     return SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
 
 
-def forces_on_handles(problem: Elasticity, constraints: SupportConstraints) -> tuple[Floats, Floats]:
+def forces_on_handles(problem: Elasticity[Any], constraints: SupportConstraints) -> tuple[Floats, Floats]:
     """Forces applied to handles, on the free unknowns and as x, y and moment of each handle (n_handles, 3)."""
     applied = np.zeros(constraints.transform.shape[1])
     forces = np.zeros((len(constraints.handles), 3))
@@ -144,7 +149,7 @@ def _handle_motions(constraints: SupportConstraints, nodal: Floats) -> Floats:
 
 
 def _solved(
-    problem: Elasticity,
+    problem: Elasticity[Any],
     matrix: SymmetricMatrix,
     constraints: SupportConstraints,
     rhs: Floats,
@@ -157,8 +162,7 @@ def _solved(
         group = int(constraints.groups[int(error.args[1])])
         location = f"its handle {group - problem.space.n_nodes}"
         if group < problem.space.n_nodes:
-            x, y = problem.space.nodes[group]
-            location = f"its node at ({x:g}, {y:g})"
+            location = f"its node at {point_text(problem.space.nodes[group])}"
         raise InputError(
             f"body `{problem.name}`, whose stiffness is singular: {location} can move without force",
             "elements with a stabilisation, on a mesh without empty cells or cells joined at one point only",
@@ -384,14 +388,14 @@ def _remove_means(problem: Torsion, function: Floats, cell_parts: NDArray[np.int
     integrals = np.empty(space.mesh.n_cells)
     batches = list(space.batches())
     for batch in batches:
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         value = np.einsum("ame,me->ae", reconstruction.projected_value, function[batch.dofs])
         integrals[batch.cells] = np.einsum("ae,ae->e", reconstruction.moments[: len(value)], value)
     integrals *= problem.cell_moduli
     means = np.bincount(cell_parts, integrals) / np.maximum(np.bincount(cell_parts, weights), np.finfo(float).tiny)
     shift = np.zeros(space.n_dofs)
     for batch in batches:
-        reconstruction = batch.element.reconstruct(batch.outline)
+        reconstruction = batch.reconstruct()
         shift[batch.dofs] = reconstruction.monomial_dofs[:, 0] * means[cell_parts[batch.cells]]
     function -= shift
 

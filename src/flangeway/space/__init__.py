@@ -2,7 +2,7 @@
 
 from flangeway.space.cell_condensation import CondensedMatrix, InnerUnknowns, assemble_condensed
 from flangeway.space.functions import CellCoefficient, Coefficient, interpolate, load_vector
-from flangeway.space.spaces import CellBatch, Space
+from flangeway.space.spaces import CellBatch, Mesh, Space
 from flangeway.space.symmetric import DifferenceProduct, FormMatrix, SymmetricMatrix, block_array
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "DifferenceProduct",
     "FormMatrix",
     "InnerUnknowns",
+    "Mesh",
     "Space",
     "SymmetricMatrix",
     "assemble_condensed",

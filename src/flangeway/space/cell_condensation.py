@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ class CondensedMatrix:
 
     """
 
-    space: Space
+    space: Space[Any]
     n_components: int
     matrix: SymmetricMatrix
     cells: tuple[CondensedCells, ...]
@@ -139,7 +140,7 @@ class InnerUnknowns:
 
 
 def assemble_condensed(
-    space: Space, cell_matrices: Callable[[CellBatch], Floats], n_components: int
+    space: Space[Any], cell_matrices: Callable[[CellBatch], Floats], n_components: int
 ) -> CondensedMatrix:
     """Add up symmetric matrices of cells with their internal unknowns eliminated.
 

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers, values_at
-from flangeway.elements import Function, polygon_quadrature
+from flangeway.elements import Function
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import point_text
 from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.types import Bools, Floats, floats
@@ -40,7 +41,7 @@ def function_of(
 
 
 def at_points(function: Function, points: Floats) -> Floats:
-    """Values of a function at points (..., 2, n_cells).
+    """Values of a function at points (..., d, n_cells).
 
     Returns
     -------
@@ -54,7 +55,7 @@ def at_points(function: Function, points: Floats) -> Floats:
 
     """
     given = points.swapaxes(-1, -2)
-    rows = given.reshape(-1, 2)
+    rows = given.reshape(-1, given.shape[-1])
     values = values_at(function, rows)
     if np.iscomplexobj(values):
         raise InputError(
@@ -65,12 +66,12 @@ def at_points(function: Function, points: Floats) -> Floats:
         raise InputError(
             f"a function that gives shape {values.shape} for {len(rows)} points",
             f"({len(rows)},), or ({len(rows)}, m) for m components",
-            "write it for points of shape (n, 2)",
+            f"write it for points of shape {rows.shape}",
         )
     if not np.isfinite(values).all():
         row = int(np.argmax(~np.isfinite(values).reshape(len(rows), -1).all(axis=1)))
         raise InputError(
-            f"a function that is not finite at ({rows[row, 0]:g}, {rows[row, 1]:g})",
+            f"a function that is not finite at {point_text(rows[row])}",
             "finite numbers everywhere inside the mesh",
             "check the function there",
         )
@@ -80,7 +81,7 @@ def at_points(function: Function, points: Floats) -> Floats:
 
 def cell_quadrature(batch: CellBatch, degree: int) -> tuple[Floats, Floats]:
     """Points (n_points, 2, n_cells) inside cells and weights (n_points, n_cells)."""
-    return polygon_quadrature(batch.outline, degree)
+    return batch.quadrature(degree)
 
 
 def interpolate(space: Space, function: Function, degree: int | None = None) -> Floats:

@@ -4,20 +4,25 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Generic
 
 import numpy as np
+from typing_extensions import TypeVar
 
 from flangeway._core import Pattern, n_threads
 from flangeway.checks import check_kind, values_at
-from flangeway.elements import Element, Reconstruction
+from flangeway.elements import Element, Polyhedra, PolyhedralCells, Reconstruction, polygon_quadrature
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.geometry.arrays import IntArray
-from flangeway.mesh import PolyMesh, check
+from flangeway.mesh import PolyhedralMesh, PolyMesh, check, check_polyhedra
+from flangeway.mesh.connectivity import entries_of
 from flangeway.mesh.mesh_checks import check_curved_cells, set_numbers
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Bools, Floats, Indices, Ints
+
+Mesh = TypeVar("Mesh", PolyMesh, PolyhedralMesh, default=PolyMesh)
 
 ENTRIES_PER_BATCH = 250_000  # 2 MB of matrices: a batch's arrays stay in cache
 MAX_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
@@ -34,11 +39,13 @@ class CellBatch:
     cells
         Numbers of the cells, shape (n_cells,).
     vertices
-        Counter-clockwise vertices, shape (n_vertices, 2, n_cells).
+        Vertices, counter-clockwise in the plane, shape (n_vertices, d, n_cells).
     dofs
         Unknowns of one field, shape (n_local, n_cells).
     outline
         Vertices, and where cells have curved edges the points inside the edges too, (n_vertices, order, 2, n_cells).
+    polyhedra
+        Geometry of cells in space.
 
     """
 
@@ -47,16 +54,26 @@ class CellBatch:
     vertices: Floats
     dofs: IntArray
     outline: Floats
+    polyhedra: Polyhedra | None = None
 
     @cached_property
     def reconstruction(self) -> Reconstruction:
         """The element's polynomials on these cells."""
-        return self.element.reconstruct(self.outline)
+        return self.reconstruct()
+
+    def reconstruct(self) -> Reconstruction:
+        """The element's polynomials on these cells, computed anew: they take more memory than the cells."""
+        return self.element.reconstruct(self.outline if self.polyhedra is None else self.polyhedra)
+
+    def quadrature(self, degree: int) -> tuple[Floats, Floats]:
+        """Points (n, d, n_cells) and weights (n, n_cells) that integrate polynomials of a degree, 2 of polyhedra."""
+        return polygon_quadrature(self.outline, degree) if self.polyhedra is None else self.polyhedra.quadrature()
 
     def part(self, columns: Indices) -> "CellBatch":
         """Some of the cells, by their places in the batch (m,)."""
         dofs, outline = np.ascontiguousarray(self.dofs[:, columns]), self.outline[..., columns]
-        return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline)
+        polyhedra = None if self.polyhedra is None else self.polyhedra.part(columns)
+        return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline, polyhedra)
 
     def vector_dofs(self, n_components: int) -> IntArray:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
@@ -70,8 +87,8 @@ def component_dofs(dofs: IntArray, n_components: int) -> IntArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Space:
-    """Continuous discrete functions on a mesh.
+class Space(Generic[Mesh]):
+    """Continuous discrete functions on a mesh of polygons or, with virtual elements of order 1, of polyhedra.
 
     The unknowns of one field are numbered: values at the mesh's points, then ``order - 1`` Gauss-Lobatto values
     inside each edge (from its lower to its higher point), then the unknowns inside the cells.
@@ -93,14 +110,20 @@ class Space:
 
     """
 
-    mesh: PolyMesh
+    mesh: Mesh
     element: Element | Mapping[str, Element]
     cracks: Collection[str] = ()
 
     def __post_init__(self) -> None:
         """Check the mesh and that elements fit it."""
-        check_kind("Space", "mesh", self.mesh, PolyMesh, "a PolyMesh", "read or make one: triangulate, read_mesh")
-        check(self.mesh, cracks=self.cracks)
+        kinds = PolyMesh | PolyhedralMesh
+        advice = "read or make one: triangulate, read_mesh"
+        check_kind("Space", "mesh", self.mesh, kinds, "a PolyMesh or PolyhedralMesh", advice)
+        if isinstance(self.mesh, PolyhedralMesh):
+            check_polyhedra(self.mesh)
+            self._check_spatial()
+        else:
+            check(self.plane_mesh, cracks=self.cracks)
         refuse_many_threads()
         orders = {element.order for element, _ in self._regions}
         if len(orders) != 1:
@@ -119,23 +142,48 @@ class Space:
                     "choose one of these, or take mesh.straight()",
                 )
         if self._curved.any():
-            check_curved_cells(self.mesh, np.flatnonzero(self._curved), self.order)
+            check_curved_cells(self.plane_mesh, np.flatnonzero(self._curved), self.order)
+
+    def _check_spatial(self) -> None:
+        for element, _ in self._regions:
+            if not element.spatial or element.order != 1:
+                raise InputError(
+                    f"{element} on polyhedra",
+                    "Virtual(1)",
+                    "take it: on tetrahedra it is the linear finite element",
+                )
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates, 2 or 3."""
+        return self.mesh.dimension
+
+    @property
+    def plane_mesh(self) -> PolyMesh:
+        """The mesh of a space in the plane."""
+        assert isinstance(self.mesh, PolyMesh)
+        return self.mesh
+
+    @cached_property
+    def _polyhedra(self) -> PolyhedralCells | None:
+        return PolyhedralCells.of(self.mesh) if isinstance(self.mesh, PolyhedralMesh) else None
 
     @cached_property
     def _curved(self) -> Bools:
         """Which cells have edges that are curved for elements of this order, (n_cells,)."""
         curved = np.zeros(self.mesh.n_cells, dtype=bool)
-        if self.order > 1 and self.mesh.curves is not None:
-            curved[self.mesh.edge_cells[self.mesh.edge_numbers(self.mesh.curves.pairs)]] = True
+        if self.order > 1 and self.plane_mesh.curves is not None:
+            mesh, curves = self.plane_mesh, self.plane_mesh.curves
+            curved[mesh.edge_cells[mesh.edge_numbers(curves.pairs)]] = True
             # the cell outside of the boundary has the number -1, that of the last
-            last = self.mesh.cell_edges[self.mesh.cell_offsets[-2] :]
-            curved[-1] = (self.mesh.curve_rows[last] >= 0).any()
+            last = mesh.cell_edges[mesh.cell_offsets[-2] :]
+            curved[-1] = (mesh.curve_rows[last] >= 0).any()
         return curved
 
     @cached_property
     def element_mesh(self) -> PolyMesh:
         """The mesh with the edges that elements of this order have: at order 1 all are straight."""
-        return self.mesh if self.order > 1 else self.mesh.straight()
+        return self.plane_mesh if self.order > 1 else self.plane_mesh.straight()
 
     @cached_property
     def _regions(self) -> tuple[tuple[Element, Ints], ...]:
@@ -162,7 +210,9 @@ class Space:
         counts = np.zeros(self.mesh.n_cells + 1, dtype=np.int64)
         for element, cells in self._regions:
             counts[cells + 1] = element.n_interior()
-        counts[0] = self.mesh.n_points + len(self.mesh.edges) * (self.order - 1)
+        counts[0] = self.mesh.n_points
+        if self.order > 1:
+            counts[0] += self.plane_mesh.n_edges * (self.order - 1)
         return np.cumsum(counts)
 
     @property
@@ -177,17 +227,19 @@ class Space:
 
     @cached_property
     def nodes(self) -> Floats:
-        """Points of the unknowns that are values, shape (n_nodes, 2)."""
-        inner = gauss_lobatto(self.order + 1)[0][1:-1]
-        start, end = self.mesh.points[self.mesh.edges].swapaxes(0, 1)
+        """Points of the unknowns that are values, shape (n_nodes, d)."""
+        if self.order == 1:
+            return self.mesh.points
+        inner, mesh = gauss_lobatto(self.order + 1)[0][1:-1], self.plane_mesh
+        start, end = mesh.points[mesh.edges].swapaxes(0, 1)
         on_edges = start[:, None] + inner[:, None] * (end - start)[:, None]
-        curves = self.mesh.curves
-        if curves is not None and self.order > 1:
+        curves = mesh.curves
+        if curves is not None:
             forward = curves.pairs[:, 0] < curves.pairs[:, 1]
             on_curves = curves.points(inner)
             on_curves[~forward] = on_curves[~forward, ::-1]  # Gauss-Lobatto points are symmetric
-            on_edges[self.mesh.edge_numbers(curves.pairs)] = on_curves
-        return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
+            on_edges[mesh.edge_numbers(curves.pairs)] = on_curves
+        return np.concatenate((mesh.points, on_edges.reshape(-1, 2)))
 
     @cached_property
     def constant(self) -> Floats:
@@ -205,12 +257,11 @@ class Space:
         Parameters
         ----------
         where
-            Name of an edge set, or a function that says of points (n, 2) which it takes, (n,), such as
-            ``lambda p: p[:, 0] < 1e-9``; None takes the whole boundary.
+            Name of an edge set, in space of a face set, or a function that says of points (n, d) which it takes, (n,),
+            such as ``lambda p: p[:, 0] < 1e-9``; None takes the whole boundary.
 
         """
-        pairs = self.mesh.edge_set(where) if isinstance(where, str) else self.mesh.boundary_edges
-        nodes = np.unique(self.edge_nodes(pairs)).astype(np.int64)
+        nodes = self.nodes_along(where if isinstance(where, str) else None)
         if where is None or isinstance(where, str):
             return nodes
         taken = values_at(where, self.nodes[nodes]) if callable(where) else np.empty(0)
@@ -222,9 +273,18 @@ class Space:
             )
         return nodes[taken]
 
+    def nodes_along(self, name: str | None = None) -> Ints:
+        """Nodes of an edge set or face set, of the whole boundary by default; each once, in rising order."""
+        mesh = self.mesh
+        if isinstance(mesh, PolyhedralMesh):
+            faces = mesh.boundary_faces if name is None else mesh.face_set(name)
+            return np.unique(mesh.face_points[entries_of(mesh.face_offsets, faces)[0]]).astype(np.int64)
+        pairs = self.plane_mesh.boundary_edges if name is None else self.plane_mesh.edge_set(name)
+        return np.unique(self.edge_nodes(pairs)).astype(np.int64)
+
     def edge_nodes(self, pairs: Indices) -> IntArray:
         """Nodes of edges given as directed pairs of points (n, 2): shape (n, order + 1), in direction."""
-        inner = self._edge_inner(self.mesh.edge_numbers(pairs), pairs[:, 0] < pairs[:, 1])
+        inner = self._edge_inner(self.plane_mesh.edge_numbers(pairs), pairs[:, 0] < pairs[:, 1])
         nodes = np.concatenate((pairs[:, :1], inner, pairs[:, 1:]), axis=1)
         return nodes.astype(np.int32)
 
@@ -271,7 +331,7 @@ class Space:
         parts = [corners]
         if self.order > 1:
             forward = corners < np.roll(corners, -1, axis=1)
-            parts.append(self._edge_inner(mesh.cell_edges[entries], forward).reshape(len(cells), -1))
+            parts.append(self._edge_inner(self.plane_mesh.cell_edges[entries], forward).reshape(len(cells), -1))
         if element.n_interior():
             parts.append(self._interior_offsets[cells][:, None] + np.arange(element.n_interior()))
         dofs = np.ascontiguousarray(np.concatenate(parts, axis=1).T.astype(np.int32))
@@ -282,7 +342,8 @@ class Space:
             inner = corner_dofs[:, n_vertices:].reshape(len(cells), n_vertices, -1)
             points = self.nodes[np.concatenate((corner_dofs[:, :n_vertices, None], inner), axis=2)]
             outline = np.ascontiguousarray(np.moveaxis(points, 0, -1))
-        return CellBatch(element, cells, vertices, dofs, outline)
+        polyhedra = None if self._polyhedra is None else self._polyhedra.batch(cells, entries, vertices)
+        return CellBatch(element, cells, vertices, dofs, outline, polyhedra)
 
     def assemble(self, cell_matrices: Callable[[CellBatch], Floats], n_components: int) -> SymmetricMatrix:
         """Add up symmetric matrices of cells.

@@ -133,13 +133,15 @@ class DifferenceProduct:
     Parameters
     ----------
     matrix
-        Stiffness of two displacements at each node, numbered ``2 * node + component``, before anything is held.
+        Stiffness of d displacements at each node, numbered ``d * node + component``, before anything is held.
     transform
-        Displacements at nodes by the unknowns that stay free, shape (2 n_nodes, n_free).
+        Displacements at nodes by the unknowns that stay free, shape (d n_nodes, n_free).
     axisymmetric
         Whether a displacement in x strains the body, so that the rows' sums over x are kept.
     springs
         Stiffness that is added at the nodes, whose rows have no zero sum.
+    dimension
+        Number d of components.
 
     """
 
@@ -150,20 +152,21 @@ class DifferenceProduct:
         *,
         axisymmetric: bool,
         springs: sp.sparray | None = None,
+        dimension: int = 2,
     ) -> None:
         columns, rows = row_numbers(matrix.indptr), matrix.indices.astype(np.int64)
-        other = rows // 2 != columns // 2
+        other = rows // dimension != columns // dimension
         self._rows, self._columns, self._values = rows[other], columns[other], matrix.values[other]
         # the component of the other unknown, at the node of this one
-        self._row_nodes = self._rows // 2 * 2 + self._columns % 2
-        self._column_nodes = self._columns // 2 * 2 + self._rows % 2
+        self._row_nodes = self._rows // dimension * dimension + self._columns % dimension
+        self._column_nodes = self._columns // dimension * dimension + self._rows % dimension
         self._transform = transform
         self._added = sp.csc_array((matrix.n, matrix.n)) if springs is None else springs
         if axisymmetric:
             radial = np.arange(matrix.n) % 2 == 0
             sums, every = matrix.times(radial.astype(np.float64)), np.arange(matrix.n)
             self._added = self._added + sp.csc_array((sums, (every, every // 2 * 2)), shape=self._added.shape)
-        translations = np.eye(2)[axisymmetric:]
+        translations = np.eye(dimension)[axisymmetric:]
         self._round_off = np.max(
             [matrix.round_off(np.resize(translation, matrix.n)) for translation in translations], axis=0
         )
@@ -173,7 +176,7 @@ class DifferenceProduct:
         return self._transform.T @ self.at_nodes(self._transform @ vector)
 
     def at_nodes(self, vector: Floats) -> Floats:
-        """Forces at the nodes from displacements there, (2 n_nodes,)."""
+        """Forces at the nodes from displacements there, (d n_nodes,)."""
         return self._added @ vector + self._sums(self._values, vector)
 
     def magnitudes(self, vector: Floats) -> Floats:

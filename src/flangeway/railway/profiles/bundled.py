@@ -161,6 +161,12 @@ _OTHER_NAMES = {"UIC60": "60E1", "60KG": "60E1", "UIC54": "54E1", "S49": "49E1",
 """Other names of bundled rails, in capital letters without blanks and hyphens (EN 13674-1, table A.1)."""
 
 WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
+IDENTIFIED = "AAR-1B (identified)"
+"""Name of the AAR-1B with the root that was identified from a published position. The reproduction of Tables 15 and 16
+uses it, and nothing by default."""
+IDENTIFIED_RADIUS_MM = 49.2
+"""Radius of its wide arc, with which elements VO2, on the published kind of mesh, have the published lateral
+translation of the curve, 0.7309 cm (Moherdaui 2021, Table 16). `flangeway reproduce wheel-rail` finds it again."""
 RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
 REFERENCE_WHEELS = ("R-519-A", "R-519-B", "R-519-C", "R-519-H", "R-519-I")
 REFERENCE_RAIL = "S-519-A"
@@ -349,15 +355,15 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
         If the name is unknown.
     """
     name = bundled_name(name)
-    if name not in (*WHEELS, *REFERENCE_WHEELS):
+    if name not in (IDENTIFIED, *WHEELS, *REFERENCE_WHEELS):
         advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
         known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
         raise InputError(f"wheel '{name}'", f"one of {known}, or a file of a profile", advice)
     if name in REFERENCE_WHEELS:
         contour = reference_contour(name)
         return _wheel_below(contour, title=name, certainty=_REFERENCE_CERTAINTY, source=_REFERENCE_SOURCE)
-    if name == "AAR-1B":
-        return _aar_1b()
+    if name in (IDENTIFIED, "AAR-1B"):
+        return _aar_1b(name)
     return _s1002() if name == "S1002" else _heavy_haul()
 
 
@@ -393,20 +399,26 @@ def _reference_rail() -> RailProfile:
     )
 
 
-def _aar_1b() -> WheelProfile:
-    running = _read_segments("AAR1B_wide_flange_DERIVED_arcs.csv")
-    profile = _wheel_below(
-        Contour.named(running.items()).reversed(),
-        title="AAR-1B (approximate)",
-        certainty=(
-            "An approximation: taper, height, thickness and angle of the flange and width of the "
-            "rim agree with the standard's figures; the radii of the flange root and its junctions are "
-            "assumed."
-        ),
-        source=(
-            "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
-        ),
+def _aar_1b(name: str) -> WheelProfile:
+    """Return the AAR-1B with an assumed flange root, or the `IDENTIFIED` one."""
+    certainty = (
+        "taper, height, thickness and angle of the flange and width of the rim agree with the standard's figures; the "
     )
+    source = (
+        "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
+    )
+    if name == IDENTIFIED:
+        file, title = "AAR1B_identified_arcs.csv", IDENTIFIED
+        certainty = (
+            f"Identified: {certainty}wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one with which "
+            "one published position comes out."
+        )
+        source += " The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021)."
+    else:
+        file, title = "AAR1B_wide_flange_DERIVED_arcs.csv", "AAR-1B (approximate)"
+        certainty = f"An approximation: {certainty}radii of the flange root and its junctions are assumed."
+    running = Contour.named(_read_segments(file).items()).reversed()
+    profile = _wheel_below(running, title=title, certainty=certainty, source=source)
     # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this one
     segments, names = profile.outline.segments, profile.outline.names
     return replace(profile, outline=Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2]))

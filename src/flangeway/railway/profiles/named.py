@@ -23,7 +23,6 @@ from flangeway.railway.profiles.bundled import (
     rail,
     wheel,
 )
-from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.two_column import Kind
 from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body, whole_profile
 from flangeway.railway.profiles.orientation import ReadOptions
@@ -126,7 +125,7 @@ def _bundled(name: str, kind: Kind, path: str) -> RailProfile | WheelProfile:
         what = "wheel" if kind == "rail" else "rail"
         raise InputError(f"{path} = {name}, which is a {what}", ", ".join(names[kind]), "exchange rail and wheel")
     if kind == "wheel":
-        return identified_wheel() if name == IDENTIFIED else wheel(name)
+        return wheel(name)
     section, radius = SECTIONS.get(bundled_name(name), (name, None))
     return rail(section, crown_radius_in=radius)
 

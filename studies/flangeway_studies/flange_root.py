@@ -1,4 +1,4 @@
-"""The AAR-1B with other arcs of its flange root, and the root that was identified from a published position."""
+"""The AAR-1B with other arcs of its flange root, of which one is identified from a published position."""
 
 import math
 from dataclasses import replace
@@ -10,16 +10,9 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point, norms
-from flangeway.railway.profiles.bundled import WheelProfile, wheel
+from flangeway.railway.profiles.bundled import IDENTIFIED, WheelProfile
 
 GAUGE_HEIGHT_MM = 9.525  # depth below the tape line, 3/8 in, at which the standard measures the flange's thickness
-
-IDENTIFIED = "AAR-1B (identified)"
-"""Name of the wheel with the identified root. The reproduction of Tables 15 and 16 uses it, and nothing by default."""
-
-IDENTIFIED_RADIUS_MM = 49.2
-"""Radius of the wide arc with which elements VO2, on the published kind of mesh, have the published lateral translation
-of the curve, 0.7309 cm (Moherdaui 2021, Table 16). `flangeway reproduce wheel-rail` finds it again."""
 
 
 def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfile:
@@ -98,21 +91,6 @@ def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfi
     parts["flange_root_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
     parts["tread_1:20"] = Line(as_point(foot), tread.end)
     return replace(profile, outline=Outline.named(parts.items()))
-
-
-def identified_wheel() -> WheelProfile:
-    """Return the AAR-1B whose flange root was identified; see `IDENTIFIED_RADIUS_MM`."""
-    profile = with_flange_root(wheel("AAR-1B"), IDENTIFIED_RADIUS_MM)
-    return replace(
-        profile,
-        title=IDENTIFIED,
-        certainty=(
-            "Identified: taper, height, thickness and angle of the flange and width of the rim agree with the "
-            f"standard's figures; the wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one "
-            "with which one published position comes out."
-        ),
-        source=f"{profile.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
-    )
 
 
 def _root_of(profile: WheelProfile, wanted: str, but: str = "") -> tuple[dict[str, Segment], Arc, Arc, Segment]:
