@@ -136,7 +136,7 @@ def _cook_rows(run: Run) -> Iterator[Row]:
     """The trapezoid (0, 0) (48, 44) (48, 60) (0, 44), 10 thick, clamped at x = 0, E = 70, 100 N in y at x = 48."""
     for poisson, exact in COOK.items():
         unknowns, errors = [], []
-        for n in (4, 8, 16) if run.quick else (4, 8, 16, 32):
+        for n in (8, 16) if run.quick else (8, 16, 32):
             plane = rectangle_grid(1.0, 1.0, n, n, cells="quadrilaterals")
             x, y = plane.points.T
             plane = replace(plane, points=np.column_stack((48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x))))
