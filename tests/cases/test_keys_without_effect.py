@@ -65,6 +65,7 @@ OTHER = {
     "radius_mm": 455.0,
     "back_to_back_mm": 1361.0,
     "gauge_mm": 1437.0,
+    "maximum_lateral_mm": 4.0,
     "gauge_depth_mm": 12.0,
     "superelevation_base_mm": 1600.0,
 }
