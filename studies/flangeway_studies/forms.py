@@ -34,7 +34,6 @@ from flangeway.mesh import PolyMesh, agglomerated, doerfler_marking, dual, recta
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction, fixed
 from flangeway.solve import NonlinearSolution, StepSettings, solve_nonlinear
 from flangeway.space import Space
-from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 from flangeway_studies.study import Limit, Row, Run
 
@@ -104,7 +103,7 @@ def corner_errors(name: str, order: int) -> tuple[list[int], list[float]]:
         u = solve(stiffness(space), np.zeros(space.n_dofs), space.boundary_dofs(), values)
         squares = np.zeros(mesh.n_cells)
         for batch in space.batches():
-            points, weights = cell_quadrature(batch, 2 * order + 6)
+            points, weights = batch.quadrature(2 * order + 6)
             radius, angle = _polar(points.swapaxes(1, 2).reshape(-1, 2))
             direction = np.stack((np.sin((power - 1.0) * angle), np.cos((power - 1.0) * angle)), axis=1)
             miss = Field(space, u).on(batch, points).gradient - (power * radius ** (power - 1.0))[:, None] * direction

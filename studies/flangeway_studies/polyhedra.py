@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -75,7 +74,6 @@ def ball_octant(radii: Floats, n: int) -> PolyhedralMesh:
     numbers: dict[tuple[float, ...], int] = {}
     points: list[Floats] = []
 
-    @cache
     def number(axis: int, i: int, j: int, radius: float) -> int:
         ray = np.roll([1.0, along[i], along[j]], axis)
         place = radius * ray / np.linalg.norm(ray)

@@ -20,7 +20,6 @@ from flangeway.problems import Elasticity, Foundation, Harmonic, LongitudinalTra
 from flangeway.problems.loads import EdgeQuadrature, edge_quadrature
 from flangeway.solve import HarmonicSolution, solve_harmonic
 from flangeway.space import CellBatch, Space
-from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 from flangeway_studies.patches import conforming_rows, hertz_rows
 from flangeway_studies.study import Limit, Row, Run, percent, published_rows
@@ -465,7 +464,7 @@ def _moment(solution: HarmonicSolution, height: float) -> float:
     total = 0.0
     for batch in solution.problem.elasticity.space.batches():
         reconstruction, stress = solution.problem.cell_stresses(batch, solution.amplitudes, solution.wavenumber)
-        points, weights = cell_quadrature(batch, reconstruction.order + 1)
+        points, weights = batch.quadrature(reconstruction.order + 1)
         at = monomials.evaluate(reconstruction.order, reconstruction.frame.local(points))[: stress.shape[1]]
         total -= float(np.einsum("pe,pqe,qe->", stress[2], at, weights * (points[:, 1] - height)))
     return total

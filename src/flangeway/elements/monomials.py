@@ -15,7 +15,7 @@ import numpy as np
 
 from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import gauss
-from flangeway.types import Floats, Ints, floats
+from flangeway.types import Floats, Indices, Ints, floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,10 @@ class Frame:
         # xi_i = sum_j map_ij (x_j - origin_j)
         products = ([factor * x for factor, x in zip(row, shifted, strict=True)] for row in self.map)
         return np.stack([sum(others, first) for first, *others in products], axis=-2)
+
+    def part(self, columns: Indices) -> "Frame":
+        """Those of some cells, by their places in the batch (m,)."""
+        return Frame(self.origin[:, columns], self.map[:, :, columns])
 
     @property
     def determinant(self) -> Floats:

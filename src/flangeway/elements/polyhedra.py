@@ -37,9 +37,8 @@ class Polyhedra(CellGeometry):
 
     def part(self, columns: Indices) -> "Polyhedra":
         """Some of the cells, by their places in the batch (m,)."""
-        frame = Frame(self.frame.origin[:, columns], self.frame.map[:, :, columns])
         arrays = (array[..., columns] for array in (self.local, self.normals, self.moments))
-        return Polyhedra(self.order, frame, *arrays)
+        return Polyhedra(self.order, self.frame.part(columns), *arrays)
 
     def quadrature(self) -> tuple[Floats, Floats]:
         """Six points (6, 3, n_cells) and weights (6, n_cells) that integrate polynomials of degree 2.
@@ -172,7 +171,7 @@ class PolyhedralCells:
 
         - `places`: of the vertices in ``mesh.cell_points``, (n_cells, n_vertices).
         """
-        frame = Frame(self.frame.origin[:, cells], self.frame.map[:, :, cells])
+        frame = self.frame.part(cells)
         squares = np.isin(np.arange(10), (4, 7, 9)) * SECOND_MOMENT  # of the coordinates, in the order of `exponents`
         squares[0] = 1.0
         moments = squares[:, None] * self.volumes[cells]

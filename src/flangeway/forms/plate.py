@@ -24,7 +24,7 @@ from flangeway.forms.weak import scattered
 from flangeway.geometry.arrays import steps_around
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, FormMatrix, Space
-from flangeway.space.functions import at_points, cell_quadrature, function_of
+from flangeway.space.functions import at_points, function_of
 from flangeway.types import Bools, Floats, Indices, Ints
 
 CORNER_SINE = np.sin(np.radians(20.0))
@@ -249,7 +249,7 @@ class Plate:
         """Forces of a pressure, a number or a function of points (n, 2) with values (n,); shape (n_dofs,)."""
         result, given = np.zeros(self.n_dofs), function_of("a pressure", pressure, self.mesh.points[:1])
         for cells in self.cells():
-            points, weights = cell_quadrature(cells.batch, 2 * self.order + 2)
+            points, weights = cells.batch.quadrature(2 * self.order + 2)
             values = at_points(given, points)
             at = monomials.evaluate(self.order, cells.frame.local(points))
             np.add.at(result, cells.numbers, np.einsum("aqe,qe,ame->me", at, values * weights, cells.value))
@@ -259,7 +259,7 @@ class Plate:
         """Points (n, 2), weights (n,), deflection (n,) and second derivatives (n, 2, 2), by projections."""
         parts = []
         for cells in self.cells():
-            points, weights = cell_quadrature(cells.batch, degree)
+            points, weights = cells.batch.quadrature(degree)
             at, local = monomials.evaluate(self.order, cells.frame.local(points)), dofs[cells.numbers]
             value = np.einsum("aqe,ame,me->qe", at, cells.value, local, optimize=True)
             low = at[: len(cells.curvature)]

@@ -21,7 +21,6 @@ from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.post.stress import locate
 from flangeway.solve.linear import Factor
 from flangeway.space import CellBatch, Space
-from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
 ByCells = float | Mapping[str, float]
@@ -117,7 +116,7 @@ class BeamSection:
     def _quadrature(self) -> Iterator[tuple[CellBatch, Floats, Floats]]:
         """Batches with points, and with x, y about the centroid and the weights times E, (3, n_points, n_cells)."""
         for batch in self.space.batches():
-            points, weights = cell_quadrature(batch, 2 * self.space.order + 2)
+            points, weights = batch.quadrature(2 * self.space.order + 2)
             about = points.swapaxes(0, 1) - self.centroid[:, None, None]
             yield batch, points, np.stack((*about, weights * self._moduli[batch.cells]))
 

@@ -29,7 +29,7 @@ from flangeway.geometry.arrays import steps_around
 from flangeway.mesh import PolyMesh
 from flangeway.solve.linear import Factor
 from flangeway.space import CellBatch, FormMatrix, Space
-from flangeway.space.functions import at_points, cell_quadrature, function_of
+from flangeway.space.functions import at_points, function_of
 from flangeway.space.spaces import component_dofs
 from flangeway.types import Bools, Floats, Indices, Ints
 
@@ -191,7 +191,7 @@ class StokesSolution:
         parts = []
         for batch in self.space.batches():
             cells = divergence_free(self.space.order, batch.vertices)
-            points, weights = cell_quadrature(batch, degree)
+            points, weights = batch.quadrature(degree)
             at = monomials.evaluate(self.space.order, cells.frame.local(points))
             low = at[: cells.divergence.shape[0]]
             nodal = self.velocity[batch.dofs[: -batch.element.n_interior() or None]]
@@ -261,7 +261,7 @@ def stokes(
     n, first = matrix.shape[0], matrix.shape[0] - n_low * mesh.n_cells
     rhs, means = np.zeros(n), np.zeros(n)  # means: integrals of the pressure
     for batch, cells, numbers, pressures in parts:
-        points, weights = cell_quadrature(batch, 2 * order + 2)
+        points, weights = batch.quadrature(2 * order + 2)
         given = at_points(forces, points)
         products = np.einsum("aqe,iqe->aie", monomials.evaluate(order, cells.frame.local(points)), given * weights)
         np.add.at(rhs, numbers, np.einsum("aie,aime->me", products, cells.value))

@@ -16,7 +16,7 @@ from flangeway.post.stress import cells_of, polynomials_at
 from flangeway.problems.elasticity_problem import add_consistency, strain_operators
 from flangeway.problems.loads import EdgeQuadrature, edge_quadrature
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, FormMatrix, Space, load_vector
-from flangeway.space.functions import cell_quadrature, function_of, quadrature_degree
+from flangeway.space.functions import function_of, quadrature_degree
 from flangeway.space.spaces import component_dofs
 from flangeway.space.symmetric import over_last_bit
 from flangeway.types import Floats, Indices, floats
@@ -93,7 +93,7 @@ class Field:
         degree = quadrature_degree(self.space) if degree is None else degree
         parts = []
         for batch in self.space.batches():
-            points, weights = cell_quadrature(batch, degree)
+            points, weights = batch.quadrature(degree)
             values = self.on(batch, points)
             parts.append((points.swapaxes(1, 2).reshape(-1, 2), weights.ravel(), values.value, values.gradient))
         points, weights, value, gradient = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -280,7 +280,7 @@ class FormRegion:
             degree = self.degree
             if not self.chosen:  # products of gradients, which elements without stabilisation have of higher degree
                 degree = max(degree, 2 * (batch.reconstruction.for_energy.order - 1))
-            points, weights = cell_quadrature(batch, degree)
+            points, weights = batch.quadrature(degree)
             w = SimpleNamespace(
                 points=points.swapaxes(1, 2).reshape(-1, 2),
                 **{name: field.on(batch, points) for name, field in self.fields.items()},

@@ -57,8 +57,7 @@ def _moments(points: Floats, forces: Floats) -> Floats:
 def _add_rows(solution: ElasticitySolution[Any], forces: Floats, moments: Floats) -> None:
     """Share the reaction of each held node, and that of the nodes of each handle, among the rows that hold them."""
     problem, rows, handles = solution.problem, solution.constraints.rows, solution.constraints.handles
-    n_nodes, d = problem.space.n_nodes, problem.dimension
-    scale = np.array([1.0, 1.0, problem.size if d == 2 else 1.0])
+    n_nodes, d, scale = problem.space.n_nodes, problem.dimension, problem.motion_scale
     on_groups, points = np.zeros((n_nodes + len(handles), 3)), problem.space.nodes[rows.nodes]
     on_groups[:n_nodes, :d] = solution.nodal_reactions
     for number, handle in enumerate(handles, n_nodes):

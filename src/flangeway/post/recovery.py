@@ -18,7 +18,7 @@ from flangeway.problems import ElasticField, Elasticity
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution, Status
 from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space
-from flangeway.space.functions import at_points, cell_quadrature, quadrature_degree
+from flangeway.space.functions import at_points, quadrature_degree
 from flangeway.types import Floats, Ints
 
 # --- Superconvergent patch recovery of stresses, and the error that it estimates.
@@ -424,7 +424,7 @@ def error_norms(
     totals = np.zeros(6)
     for batch in space.batches():
         reconstruction = batch.reconstruct()
-        points, weights = cell_quadrature(batch, degree)
+        points, weights = batch.quadrature(degree)
         monomials = reconstruction.at(points)
         local = fields[batch.dofs]
         value = np.einsum("ame,mec->cae", reconstruction.projected_value, local)

@@ -10,7 +10,6 @@ from flangeway.elements import Lagrange
 from flangeway.problems import Torsion
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
-from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
 Pair = tuple[float, float]
@@ -165,7 +164,7 @@ def _integrals(warping: TorsionSolution) -> _Integrals:
     moments, cubic, products = np.zeros(6), np.zeros(2), np.zeros(4)
     for batch in space.batches():
         reconstruction = batch.reconstruct()
-        points, weights = cell_quadrature(batch, 2 * space.order + 1)
+        points, weights = batch.quadrature(2 * space.order + 1)
         weights = weights * (problem.cell_moduli[batch.cells] / problem.mean_modulus)
         monomials, local = reconstruction.at(points), warping.function[batch.dofs]
         value = np.einsum("aqe,ame,me->qe", monomials, reconstruction.projected_value, local, optimize=True)

@@ -361,6 +361,11 @@ class Elasticity(Generic[Mesh]):
         """Diagonal of the mesh's bounding box."""
         return float(np.linalg.norm(np.ptp(self.space.mesh.points, axis=0)))
 
+    @property
+    def motion_scale(self) -> Floats:
+        """Units (3,) of motions along x and y and of a rotation by the size of the body, in space of x, y and z."""
+        return np.array([1.0, 1.0, self.size if self.dimension == 2 else 1.0])
+
     @cached_property
     def on_axis(self) -> Ints:
         """Nodes on the axis of a body of revolution."""

@@ -28,7 +28,6 @@ from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.loads import PrescribedDisplacement, RigidHandle, Support
 from flangeway.space import CellBatch, Space
-from flangeway.space.functions import cell_quadrature
 from flangeway.types import Floats
 
 MaterialByCells = NonlinearMaterial | Mapping[str, NonlinearMaterial]
@@ -169,7 +168,7 @@ class NonlinearBody:
         if degree == 0:  # constant strains: one point stands for the cell
             at, weights = energetic.frame.origin[None], energetic.areas[None]
         else:
-            at, weights = cell_quadrature(batch, 2 * degree)
+            at, weights = batch.quadrature(2 * degree)
         values = monomials.evaluate(degree, energetic.frame.local(at))
         # d_x B_m(q) = sum over monomials a of p_a(x_q) g_axm
         slopes = np.einsum("aqe,axme->xqme", values, energetic.gradient)

@@ -116,8 +116,7 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
         If two supports contradict each other, or two handles share a node.
 
     """
-    space, d = problem.space, problem.dimension
-    scale = np.array([1.0, 1.0, problem.size if d == 2 else 1.0])
+    space, d, scale = problem.space, problem.dimension, problem.motion_scale
     handles = _handles(problem)
     rows = _rows(problem, handles)
     groups, group_rows, scaled, products = rows.products(scale)

@@ -79,11 +79,6 @@ def at_points(function: Function, points: Floats) -> Floats:
     return np.ascontiguousarray(np.moveaxis(values, 0, -1)).reshape(shape)
 
 
-def cell_quadrature(batch: CellBatch, degree: int) -> tuple[Floats, Floats]:
-    """Points (n_points, 2, n_cells) inside cells and weights (n_points, n_cells)."""
-    return batch.quadrature(degree)
-
-
 def interpolate(space: Space, function: Function, degree: int | None = None) -> Floats:
     """Degrees of freedom of a function: values at nodes, and its moments inside virtual cells.
 
@@ -139,7 +134,7 @@ def load_vector(space: Space, function: Function, degree: int | None = None) -> 
     load = None
     for batch in space.batches():
         reconstruction = batch.reconstruction
-        points, weights = cell_quadrature(batch, degree)
+        points, weights = batch.quadrature(degree)
         weighted = at_points(function, points) * weights
         products = np.einsum("aqe,...qe->...ae", reconstruction.at(points), weighted)
         local = np.einsum("...ae,ame->me...", products, reconstruction.projected_value)

@@ -13,6 +13,7 @@ import scipy.linalg
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import cross_product
 from flangeway.railway.wheelset.side_contact import ALL, FAR_MM, GriddedSide, SideState, WheelPose, tangents_of
 from flangeway.types import Bools, Floats
 
@@ -65,11 +66,6 @@ class SideTangent(NamedTuple):
     now: Floats
     resultant: Floats
     rail: Floats
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """Products ``a_x b_y - a_y b_x`` of vectors (n, 2)."""
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
 class SideNewton:
@@ -192,9 +188,9 @@ class SideNewton:
         moves, turns = self.grid.derivatives(row, self.creep[:, 0], len(self.slopes.motion) - N_RESULTANTS)
         # R = (sum p n, sum p (P - c) x n): dR = p t dphi, and p dP x n + p (P - c) x t dphi
         arm, forces = self.points - (self.pose.x, self.pose.y), row[:, None] * self.normals
-        resultant = (row[:, None] * np.column_stack((tangents, _cross(arm, tangents)))).T @ turns
+        resultant = (row[:, None] * np.column_stack((tangents, cross_product(arm, tangents)))).T @ turns
         resultant[2] += moves[:, 0].T @ forces[:, 1] - moves[:, 1].T @ forces[:, 0]
-        by_row = np.column_stack((self.normals, _cross(arm, self.normals))).T
+        by_row = np.column_stack((self.normals, cross_product(arm, self.normals))).T
         resultant[:, :n] += by_row
         # a rail that moves by rho, about the middle of the axle, is as a wheel that moves by -rho
         share = row / max(row.sum(), 1e-300)
