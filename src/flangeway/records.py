@@ -462,10 +462,11 @@ def _typed(value: Any, field: FieldInfo) -> Any:
     if isinstance(value, str) and value in records:
         return {TAG: value}
     inner = next((get_args(kind)[-1] for kind in kinds if get_origin(kind) in (dict, list)), Any)
-    if isinstance(value, Mapping) and len(records) > 1 and TAG not in value:  # the kind by default
-        default = default_of(field)
-        tag = kind_of(type(default)) if isinstance(default, Record) else None
-        return {TAG: tag, **value} if tag else value
+    if isinstance(value, Mapping) and len(records) > 1 and TAG not in value:
+        default = default_of(field)  # its kind; where there is none, the first kind that has all of these inputs
+        having = [one for one in records.values() if all(one.input_named(key)[0] in one.model_fields for key in value)]
+        fitting = [type(default)] if isinstance(default, Record) else having
+        return {TAG: kind_of(fitting[0]), **value} if fitting else value
     if isinstance(value, Mapping) and not records and inner is not Any:
         return {key: _typed(entry, FieldInfo.from_annotation(inner)) for key, entry in value.items()}
     return list(value) if isinstance(value, tuple) else value
@@ -676,8 +677,6 @@ def _input_error(
         table = kinds[0]
         if key in faults or _is_of_another_type(error, field, given):  # refused by each of several types
             continue
-        if error["type"] == "union_tag_invalid":
-            key, given = (*key, TAG), given[TAG]
         if len(faults) >= MAX_REPORTED:  # of the others only the number is given
             faults[key] = "", "", ""
             continue
@@ -690,6 +689,9 @@ def _input_error(
             if error["type"] == "missing":
                 text = f"{where(key[:-1])}no {key_text(key)}"
             faults[key] = text, f"{last} is {allowed(field, unit)}", _advice(last, field, unit)
+            if error["type"] in ("union_tag_invalid", "union_tag_not_found") and isinstance(given, Mapping):
+                text = f"{where((*key, TAG))}{key_text((*key, TAG))} = {short(given.get(TAG, ''))}"
+                faults[key] = text, f"{TAG} is {allowed(field, unit)}", f"give {last}.{TAG}"
             if error["type"] == "missing" and kind_of(table) is None and last in distinguishing(table, kinds):
                 choices = dict.fromkeys(choice for kind in kinds for choice in distinguishing(kind, kinds))
                 text = f"{where(key[:-1])}{key_text(key[:-1])} without {', '.join(choices)}"
@@ -707,11 +709,11 @@ def _input_error(
 
 
 def _is_of_another_type(error: Any, field: FieldInfo | None, given: Any) -> bool:
-    """Whether a plain type refuses a table, or a table's type a plain value, where the other one is allowed."""
-    if field is None or not records_in(field.annotation) or error["type"] in ("missing", "value_error"):
+    """Whether a plain type refuses a table where a table's type is allowed as well."""
+    if field is None or not records_in(field.annotation) or not isinstance(given, Mapping):
         return False
-    of_record = error["type"] in ("model_type", "union_tag_invalid", "union_tag_not_found", "model_attributes_type")
-    return isinstance(given, Mapping) != of_record and isinstance(given, Mapping)
+    of_record = ("model_type", "union_tag_invalid", "union_tag_not_found", "model_attributes_type")
+    return error["type"] not in ("missing", "value_error", *of_record)
 
 
 def _of_check(error: Any, place: str, key: Key) -> tuple[str, str, str]:

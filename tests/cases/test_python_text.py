@@ -85,6 +85,23 @@ def test_random_wheelsets_are_the_same_in_python(tree):
     assert write_case_file(again) == write_case_file(case)
 
 
+@pytest.mark.parametrize(
+    ("inputs", "kind"),
+    [({"spacing_mm": 500.0}, "sleepers"), ({"vertical_kN_per_mm": 20.0}, "sleepers"), ({"kind": "fixed"}, "fixed")],
+)
+def test_a_kind_without_default_is_the_first_that_has_the_inputs(inputs, kind):
+    """What one rail stands on has no default of its own: its kind is told by its inputs, and sleepers come first."""
+    assert Wheelset.from_values({"track": {"left": {"support": inputs}}}).track.left.support.kind == kind
+
+
+def test_inputs_of_no_kind_are_refused():
+    """A table whose inputs no kind has is refused, and the kinds are named."""
+    with pytest.raises(InputError) as reason:
+        Wheelset.from_values({"track": {"left": {"support": {"gap_mm": 3.0}}}})
+    assert "track.left.support.kind" in reason.value.given
+    assert all(kind in reason.value.allowed for kind in ("sleepers", "continuous", "fixed"))
+
+
 def test_defaults_are_left_out():
     """A wheelset by default has no argument, one changed input one."""
     assert write_python(Wheelset()) == "from flangeway import Wheelset\n\ncase = Wheelset()\n"
