@@ -27,6 +27,7 @@ PURPOSE = {
     "scipy": "sparse matrices, optimisation",
     "shapely": "clipping of Voronoi cells, overlap of polygons",
     "typer": "the command line",
+    "typing-extensions": "types with defaults, before Python 3.13",
 }
 INTRODUCTION = """# Licences
 

@@ -1,6 +1,7 @@
 """Processor time of whole commands, imports included: the help, and a wheelset whose bodies are in the cache.
 
-``python -m benchmarks.startup CHECKOUT`` compares with another checkout that has its compiled core, both in turns.
+``python -m benchmarks.startup CHECKOUT [LIMIT]`` compares with another checkout that has its compiled core, both in
+turns; the exit status is 1 where a ratio of its time to ours is below the limit.
 """
 
 import os
@@ -58,6 +59,14 @@ def _processor_time(root: Path, words: tuple[str, ...], folder: Path) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-if __name__ == "__main__":
-    for measurement in measurements(Path(sys.argv[1]).resolve()):
+def main(arguments: list[str]) -> int:
+    """Print the lines beside another checkout."""
+    found = []
+    for measurement in measurements(Path(arguments[0]).resolve()):
         print(measurement.line(), flush=True)
+        found.append(measurement.ratio or 0.0)
+    return int(min(found) < float(arguments[1] if len(arguments) > 1 else 0.0))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
