@@ -147,7 +147,7 @@ def test_maximum_shear_stress_of_a_disc_and_none_at_a_notch():
 
 def test_composite_tube_adds_its_layers():
     """Two concentric tubes of different materials do not warp: G J is the sum of theirs; G and E weigh apart."""
-    inner, outer = PartMaterial(70e3, 0.3), PartMaterial(210e3, 0.3)
+    inner, outer = PartMaterial(young_MPa=70e3, poisson=0.3), PartMaterial(young_MPa=210e3, poisson=0.3)
     parts = Section({"inner": Region(circle(45.0), (circle(40.0),)), "outer": Region(circle(50.0), (circle(45.0),))})
     found = run_section(DrawnSection("layers", parts, "mm", {"inner": inner, "outer": outer}), TorsionCase(size=3.0))
     polar = [math.pi / 2.0 * (a**4 - b**4) for a, b in ((45.0, 40.0), (50.0, 45.0))]
@@ -162,7 +162,7 @@ def test_composite_tube_adds_its_layers():
 def test_different_poissons_ratios_are_told():
     """Materials with different Poisson's ratios give Trefftz's shear centre and a notice."""
     parts = Section({"a": Region(square(2.0)), "b": Region(square(2.0, (2.0, 0.0)))})
-    materials = {"a": PartMaterial(1.0, 0.2), "b": PartMaterial(1.0, 0.3)}
+    materials = {"a": PartMaterial(young_MPa=1.0, poisson=0.2), "b": PartMaterial(young_MPa=1.0, poisson=0.3)}
     found = run_section(DrawnSection("two", parts, "mm", materials), TorsionCase(size=0.5))
     assert found.summary["poisson"] == 0.0
     assert "several Poisson's ratios" in found.summary["notices"][0]
@@ -195,4 +195,7 @@ def test_sections_that_cannot_be_computed_are_refused():
     with pytest.raises(InputError, match="2 pieces that do not touch"):
         run_section(DrawnSection("apart", apart, "mm"))
     with pytest.raises(InputError, match="leave it out"):
-        run_section(drawn(Region(square(1.0)), materials={"section": PartMaterial(1.0, 0.3)}), TorsionCase(poisson=0.2))
+        run_section(
+            drawn(Region(square(1.0)), materials={"section": PartMaterial(young_MPa=1.0, poisson=0.3)}),
+            TorsionCase(poisson=0.2),
+        )

@@ -9,12 +9,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from flangeway.checks import is_finite, parsed_number
+from flangeway.checks import parsed_number
 from flangeway.errors import InputError, located, short
-from flangeway.geometry.arrays import Point, cross_product, norms, point_text, sides_of
+from flangeway.geometry.arrays import Point, circle_centres, cross_product, norms, point_text, sides_of
 from flangeway.geometry.outline import JOINT_TOLERANCE, Outline, _joined
 from flangeway.geometry.region import Section, nested_regions
 from flangeway.geometry.segments import Segment, segment_of
+from flangeway.records import PoissonRatio, Positive, Record
 from flangeway.system.file_content import csv_cells, csv_separator
 
 # --- A section as a file or a catalogue gives it, and closed outlines from what it draws: small faults are repaired.
@@ -25,25 +26,13 @@ UNITS = tuple(UNITS_MM)
 """UNITS_MM, UNITS: units of length that drawings and profiles may have, and their lengths in mm."""
 
 
-@dataclass(frozen=True)
-class PartMaterial:
-    """Elastic material of a part.
+class PartMaterial(Record):
+    """Elastic material of a part."""
 
-    An `InputError` if a number is out of range.
-
-    - `young_MPa`: Young's modulus, positive.
-    - `poisson`: Poisson's ratio, above -1 and below 0.5.
-    """
-
-    young_MPa: float  # noqa: N815 (the unit megapascal)
-    poisson: float
-
-    def __post_init__(self) -> None:
-        """Check the ranges."""
-        if not (is_finite(self.young_MPa) and self.young_MPa > 0.0):
-            raise InputError(f"young_MPa = {short(self.young_MPa)}", "a positive number", "correct it")
-        if not (is_finite(self.poisson) and -1.0 < self.poisson < 0.5):
-            raise InputError(f"poisson = {short(self.poisson)}", "a number above -1 and below 0.5", "correct it")
+    young_MPa: Positive  # noqa: N815 (the unit megapascal)
+    """Young's modulus"""
+    poisson: PoissonRatio
+    """Poisson's ratio"""
 
     @property
     def shear_modulus_MPa(self) -> float:  # noqa: N802 (the unit megapascal)
@@ -141,6 +130,20 @@ def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[Dra
     x, y = centre
     ends = [(x + radius, y), (x, y + radius), (x - radius, y), (x, y - radius)]
     return [DrawnSegment(a, b, centre, counter_clockwise=True, name=name) for a, b in sides_of(ends)]
+
+
+def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -> DrawnSegment:
+    """Return the arc from `start` through `middle` to `end`; points on one line are an `InputError`."""
+    a, b = np.subtract(middle, start), np.subtract(end, start)
+    cross = float(cross_product(a, b))
+    if not abs(cross) > 1e-9 * float(norms(a) * norms(b)):
+        raise InputError(
+            f"{what}: an arc through three points on one line, {short(start)}, {short(middle)}, {short(end)}",
+            "a point that is off the line from start to end",
+            "use line_to, or move the point",
+        )
+    x, y = (start + circle_centres(a, b)).tolist()
+    return DrawnSegment(start, end, (x, y), cross > 0.0, name)
 
 
 def reach_of(drawn: Iterable[DrawnSegment]) -> float:

@@ -16,7 +16,7 @@ from flangeway.errors import InputError, located, short
 from flangeway.formats import read_mesh, read_section
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.mesh_repair import with_arcs
-from flangeway.formats.outline_files import ENDINGS, outline_region
+from flangeway.formats.outline_files import ENDINGS, OutlineTable
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, half_disc, rectangle
 from flangeway.geometry.arrays import IntArray, norms
 from flangeway.geometry.region import Region
@@ -171,7 +171,7 @@ class ShapeTable(Record):
     """shape: a rectangle"""
     disc: DiscTable | None = None
     """shape: a disc or a half disc"""
-    outline: dict[str, Any] | None = None
+    outline: OutlineTable | None = None
     """shape: lines and arcs with points, path or circle, and holes, as in outline files"""
     file: str | None = None
     """shape from a file: outline .toml, .csv, .dxf; or mesh .msh, .inp, .vtu and others"""
@@ -482,8 +482,9 @@ def _region(body: BodyTable, key: str, notices: list[str]) -> Region:
         notices += [f"{body.name}: {notice}" for notice in drawn.notices]
         outer, *holes = [_in_mm(loop, UNITS_MM[drawn.unit]) for loop in drawn.section.regions[0].loops]
         return Region(outer, tuple(holes))
-    shape = body.rectangle or body.disc
-    return outline_region(body.outline or {}, f"{key}.outline: ", notices) if shape is None else shape.region()
+    if body.outline is not None:
+        return body.outline.region(f"{key}.outline: ", notices)
+    return (body.rectangle or body.disc).region()  # type: ignore[union-attr]  # one of all is written
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
