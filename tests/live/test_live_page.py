@@ -13,26 +13,7 @@ from matplotlib.image import imread
 
 from flangeway.cases import load_case
 from flangeway.report.wheelset.wheelset_page import results_table
-
-STANDS = "document.querySelector('#state').className.match(/good|warned/) && !document.querySelector('#tables.stale')"
-
-
-@pytest.fixture
-def page(browser, served):
-    """The page with bundled profiles and coarse bodies, and the requests and errors of the browser."""
-    served.engine.files.clear()  # the page begins with the files that it is served with
-    # the tests look into the page by texts of code, which its own policy forbids
-    context = browser.new_context(viewport={"width": 1400, "height": 900}, bypass_csp=True)
-    page = context.new_page()
-    page.requested, page.wrong = [], []
-    page.on("request", lambda request: page.requested.append(request.url))
-    page.on("pageerror", lambda error: page.wrong.append(str(error)))
-    page.goto(served.address)
-    page.evaluate("started")
-    page.evaluate("state.inputs['mesh.size_scale'] = '3'; loadGeometry()")
-    yield page
-    assert page.wrong == []
-    context.close()
+from tests.live.conftest import STANDS
 
 
 def test_dropped_profiles_dragged_give_the_numbers_of_a_run(page, served, profiles):
@@ -144,8 +125,9 @@ def test_the_stress_below_the_patches_is_shown(page):
 
 
 def drawn_pixels(page):
-    """Colours (height, width, 4) of the picture of patches without its words."""
-    page.evaluate("CanvasRenderingContext2D.prototype.fillText = () => {}; drawPatches()")
+    """Colours (height, width, 4) of the picture of patches without its words and scales."""
+    nothing = "CanvasRenderingContext2D.prototype.fillText = CanvasRenderingContext2D.prototype.fillRect = scaleBar"
+    page.evaluate(f"{nothing} = () => {{}}; drawPatches()")
     data = page.evaluate("$('patches').toDataURL().split(',')[1]")
     return imread(io.BytesIO(base64.b64decode(data)))
 
@@ -230,7 +212,7 @@ def test_the_keyboard_alone_is_enough(page, profiles, tmp_path):
 
     def press(name, *keys):
         """Go on by Tab to an element, and press keys there."""
-        for _ in range(50):
+        for _ in range(90):
             page.keyboard.press("Tab")
             if page.evaluate("document.activeElement.id") == name:
                 break

@@ -43,6 +43,7 @@ from flangeway.report.page.html_page import command_line, report_page
 from flangeway.report.wheelset.wheelset_files import patch_map
 from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
 from flangeway.system.disk_cache import LatestValues
+from flangeway.system.output_folder import write_together
 from flangeway.types import Floats, Progress, floats
 from flangeway.units import Units, us_key, us_unit
 
@@ -107,25 +108,28 @@ class LiveEngine:
     _bodies: LatestValues[Any] = field(default_factory=lambda: LatestValues(MAX_PREPARED))
     _geometries: LatestValues[dict[str, Any]] = field(default_factory=lambda: LatestValues(MAX_GEOMETRIES))
 
-    def form(self) -> dict[str, Any]:
+    def form(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return the inputs by groups, each with its name, default, what is allowed and meaning; and the profiles.
 
-        Also the metric name of each input, and the names and metric values of the other units that the page shows.
+        Also the metric name of each input and the metric value of its unit, and the names and metric values of the
+        other units that the page shows. `inputs` may choose the units.
         """
-        groups: dict[str, list[tuple[str, ...]]] = {caption: [] for caption in GROUPS.values()}
+        system = inputs.get("units", self.units)
+        groups: dict[str, list[tuple[Any, ...]]] = {caption: [] for caption in GROUPS.values()}
         for path, entry in shown_inputs(Wheelset):
             if path[0] == "contact" and path[-1] not in Spatial.model_fields:  # the page shows three dimensions
                 continue
-            unit = us_key(path[-1]) if self.units == "us" else None
+            unit = us_key(path[-1]) if system == "us" else None
             name = ".".join((*path[:-1], unit.name if unit else path[-1]))
             row = name, default_text(entry, unit), allowed(entry, unit), entry.description or "", ".".join(path)
-            groups[GROUPS[path[0]]].append(row)
-        units = {unit: us_unit(unit) for unit in ("mm", "MPa", "N") if self.units == "us"}
+            groups[GROUPS[path[0]]].append((*row, float(unit.metric) if unit else 1.0))
+        units = {unit: us_unit(unit) for unit in ("mm", "MPa", "N") if system == "us"}
         names = {"wheel": [*WHEELS, *REFERENCE_WHEELS], "rail": [*SECTIONS, REFERENCE_RAIL]}
         return {
             "groups": [*groups.items()],
             "profiles": names,
             "files": list(self.files),
+            "system": system,
             "units": {unit: (us_unit.name, float(us_unit.metric)) for unit, us_unit in units.items() if us_unit},
         }
 
@@ -168,9 +172,10 @@ class LiveEngine:
                 given[key] = str(self._path(text))
             elif "/" in text or "\\" in text:
                 raise InputError(f"{key} = {text}", "a bundled profile or a file of this page", "drop the file")
+        units = given.pop("units", self.units)
         # a profile stands before the options of its file
         ordered = {key: given[key] for key in sorted(given, key=lambda key: key.count("."))}
-        return Wheelset.from_values({"units": self.units, **with_settings(Wheelset, {}, ordered)})
+        return Wheelset.from_values({"units": units, **with_settings(Wheelset, {}, ordered)})
 
     def geometry(self, inputs: Mapping[str, str]) -> dict[str, Any]:
         """Return outlines, and rigid contact over the lateral position: points, radii, angles, conicity."""
@@ -192,6 +197,7 @@ class LiveEngine:
             "facts": wheelset_facts(run),
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),
+            "contacts": _contacts(run),
             "lateral_mm": result.equilibrium.position.lateral_mm,
             "max_pressure_MPa": max((patch.max_pressure for patch in result.patches), default=None),
             "t_gamma_N": sum(creep.t_gamma_N for _, creep in result.rolling) if result.rolling else None,
@@ -205,6 +211,17 @@ class LiveEngine:
             return report_page(record, [(picture, png(picture.draw())) for picture in record.pictures()])
 
         return self._alone(page)
+
+    def tables(self, inputs: Mapping[str, str]) -> dict[str, str]:
+        """Return the CSV files of a position by their names, as ``flangeway run`` writes them."""
+
+        def texts(progress: Progress) -> dict[str, str]:
+            files = case_record(self._run(self.case(inputs), progress)).files()
+            writers = {name: write for name, write in files.items() if name.endswith(".csv")}
+            with tempfile.TemporaryDirectory(dir=self.folder) as folder:
+                return {path.name: path.read_text("utf-8") for path in write_together(Path(folder), writers)}
+
+        return self._alone(texts)
 
     def saved(self, inputs: Mapping[str, str]) -> dict[str, str]:
         """Return what computes the position again: a case file, a command, and a campaign over the lateral position."""
@@ -324,6 +341,20 @@ def _patches(run: SpatialWheelsetRun) -> dict[str, Any]:
             "patches": [[patch.region, np.flatnonzero(patch.inside[drawn.chosen]).tolist()] for patch in patches],
         }
     return sides
+
+
+def _contacts(run: SpatialWheelsetRun) -> list[tuple[str, list[Any], float, float]]:
+    """Side, place (x, y) on the unloaded rail, contact angle in degrees and normal force in N of each patch."""
+    placed = run.case.track.placement
+    return [
+        (
+            patch.side,
+            _rounded(placed(patch.side).points(patch.rail_point_mm[None])[0]),
+            float(np.degrees(patch.contact_angle_rad)),
+            patch.normal_force_N,
+        )
+        for patch in run.result.patches
+    ]
 
 
 def _rounded(values: Floats, digits: int = 4) -> list[Any]:

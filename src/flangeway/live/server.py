@@ -80,11 +80,12 @@ def application(engine: LiveEngine, token: str, frames: str = "'none'") -> Starl
     routes = [
         Route(f"/{token}/", page),
         Route(f"/{token}/profile", profile, methods=["POST"]),
-        route("form", lambda _: engine.form()),
+        route("form", engine.form),
         route("geometry", engine.geometry),
         route("position", engine.position),
         route("report", lambda inputs: {"html": engine.report(inputs)}),
         route("saved", engine.saved),
+        route("tables", engine.tables),
         route("cancel", lambda _: engine.cancel()),
         Route("/{rest:path}", refused, methods=["GET", "POST", "PUT", "DELETE"]),
     ]
