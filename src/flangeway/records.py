@@ -744,11 +744,12 @@ def _of_unknown(record: type[Record], kinds: list[type[Record]], key: Key, place
         advice = f"leave {last} out, or give {inside}.{TAG} = {having[0]}"
         return f"{place}{key_text(key)}: only {' and '.join(having)} have one", f"{last} of {', '.join(having)}", advice
     text = f"{place}there is no input called {short(last)}{f' in {inside}' if inside else ''}"
-    elsewhere = [".".join(path) for path in _paths_by_name(record).get(last, ())]
+    elsewhere: list[Key] = [(*key[:-1], *path) for path in _paths_by_name(table).get(last, ())]
+    elsewhere = elsewhere or [*_paths_by_name(record).get(last, ())]
     known = [*table.model_fields]
     us_names = [unit.name for name in known if (unit := us_key(name))]
     names = similar(last, [*known, *us_names])
-    advice = f"did you mean {elsewhere[0]}?" if elsewhere else closest(last, names or known)
+    advice = f"did you mean {key_text(elsewhere[0])}?" if elsewhere else closest(last, names or known)
     if len(known) > MAX_LISTED:
         known = [*names[:MAX_SIMILAR], f"`flangeway cases {record.called()}` lists all {len(known)}"]
     return text, f"the inputs of {inside or record.called()}: {', '.join(known)}", advice

@@ -240,6 +240,12 @@ def test_a_key_without_effect_is_refused(choice: str, kind: str, key: str, value
         load_case("two-bodies", **contact(**{choice: {"kind": kind, key: value}}))
 
 
+def test_an_input_of_a_kind_beside_it_is_told_its_place() -> None:
+    """The message names the path of an input that was written one table too high."""
+    with pytest.raises(InputError, match=r"did you mean contacts\[1\]\.enforcement\.penalty_MPa_mm\?"):
+        load_case("two-bodies", **contact(enforcement="penalty", penalty_MPa_mm=10.0))
+
+
 def test_a_table_that_the_file_lacks(tmp_path: Path) -> None:
     """`--set steps.number=2` makes the table; an unknown key in it is refused as in a file."""
     file = tmp_path / "case.toml"

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from benchmarks.pushed import outcome
 from flangeway.contact import (
     AugmentedLagrange,
     Contact,
@@ -19,6 +20,7 @@ from flangeway.contact import (
     press,
     solve_contact,
 )
+from flangeway.contact.node_to_segment import CONCAVE_SLACK, FOOT_SLACK, guarded_margins
 from flangeway.contact.pairs import Enforcement
 from flangeway.elements import Lagrange
 from flangeway.geometry import Arc, Line, Outline, Placement, polygon, rectangle
@@ -441,3 +443,23 @@ def test_linear_multipliers(imbalance: Imbalance, method: Method) -> None:
     found = slid(block, ground, SegmentToSegment(), Multiplier())
     assert roughness(found)[0] < SMOOTH
     assert max(map(imbalance, found)) < 1e-10
+
+
+@pytest.mark.parametrize(("number", "steps"), [(142, (1, 5)), (282, (1,))])
+def test_bodies_pushed_by_loads_are_in_equilibrium(number: int, steps: tuple[int, ...]) -> None:
+    """A node that changes between two edges, and one at a joint that hardly turns, with friction: no search cycles."""
+    found = outcome(number, steps)
+    assert all(found.converged), found.messages
+    assert found.touches
+    assert found.wrong == ()
+
+
+@pytest.mark.parametrize(
+    ("turn", "order", "margin"), [(0.1, 1, CONCAVE_SLACK), (1e-3, 1, FOOT_SLACK), (0.1, 2, FOOT_SLACK)]
+)
+def test_points_behind_a_joint_have_one_edge_where_it_is_smooth(turn: float, order: int, margin: float) -> None:
+    """Two edges of a bore: chords that turn leave out points behind their joint, which tangential arcs do not."""
+    angles = turn * np.linspace(-1.0, 1.0, 2 * order + 1)
+    points = np.column_stack((np.sin(angles), np.cos(angles)))
+    edges = np.stack([points[: order + 1], points[order:]])
+    assert guarded_margins(edges).tolist() == [[FOOT_SLACK, margin], [margin, FOOT_SLACK]]

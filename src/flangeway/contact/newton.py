@@ -52,11 +52,12 @@ from flangeway.solve.status import NewtonSettings, Status, is_at_round_off
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools
 
-MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
+MEMORY, GROWTHS, MIN_FRACTION = 12, (2.0, 0.9), 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
 fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
-After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
+After as many, the residual falls (second growth), which ends cycles of iterations, and pairs of a node and an edge are
+held by a wider margin, so that none changes for ever."""
 
 START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -257,7 +258,7 @@ def _iterated(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
                 "take a finer mesh or a softer penalty"
             )
         settle, fraction = len(state.history) >= MEMORY, 1.0
-        limit = MAX_GROWTH * max((iteration.residual for iteration in state.history[-MEMORY:]), default=np.inf)
+        limit = GROWTHS[settle] * max((iteration.residual for iteration in state.history[-MEMORY:]), default=np.inf)
         trial = after(problem, state, whole, fraction, settle=settle)
         if (entry := problem.constraints.entered(state.positions, trial.positions, trial.lin)) is not None:
             if state.stops == MAX_STOPS:
@@ -388,7 +389,7 @@ def _worst(problem: ContactProblem, state: ContactIterate) -> str:
     laws, nodes, motions = problem.residuals(state)
     names, positions = problem.constraints, state.positions
     if motions.max(initial=0.0) > max(laws.max(initial=0.0), nodes.max()):
-        worst = np.where(np.arange(problem.parts.n) == motions.argmax(), 1.0, 0.0)
+        worst = np.eye(problem.parts.n)[motions.argmax()]
         words = "; ".join(problem.parts.describe(state.placed.motions, worst[:, None]))
         force = abs(float(problem.along_motions(state) @ worst))
         return f"a force of {force:.3g} is not balanced, under which {words}"

@@ -14,7 +14,10 @@ from flangeway.contact.kinematics import (
     Slides,
     Taylor,
     closest_parameters,
+    derivative,
+    edge_series,
     gaps_over,
+    horner,
     node_edge_gaps,
     node_edge_slips,
     node_edge_turns,
@@ -22,10 +25,10 @@ from flangeway.contact.kinematics import (
 )
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import Surface, node_normals, pressing_cosines, turns_of
+from flangeway.contact.surface import Surface, node_normals, pressing_cosines
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import COLLINEAR, cross_product, norms, point_text, turned_right
+from flangeway.geometry.arrays import cross_product, norms, point_text, turned_right
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Bools, Floats, Ints
 
@@ -251,11 +254,12 @@ def guarded_margins(edges: Floats) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a guarded node behind it may lie.
 
     In parts of the edge, shape (n, 2): `CONCAVE_SLACK` at a concave joint, else `FOOT_SLACK`; beyond, the node is
-    outside.
+    outside. Behind a joint of smooth curves, or of two edges that turn by so little that points as deep as an edge are
+    within the latter, one edge has them.
     """
-    ends = edges[:, [0, -1]]
-    turns = turns_of(ends, np.roll(np.arange(len(ends)), -1))
-    concave = (turns < -COLLINEAR) & (ends[:, 1] == np.roll(ends[:, 0], -1, axis=0)).all(axis=1)
+    slopes = derivative(edge_series(edges))
+    turns = np.angle(np.roll(horner(slopes, 0.0), -1) / horner(slopes, 1.0))
+    concave = (turns < -2.0 * FOOT_SLACK) & (edges[:, -1] == np.roll(edges[:, 0], -1, axis=0)).all(axis=1)
     at_end = np.where(concave, CONCAVE_SLACK, FOOT_SLACK)
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
 

@@ -11,6 +11,7 @@ import numpy as np
 from flangeway.checks import MIN_POSITIVE, are_all, are_finite, check_integer, check_tolerance, refused
 from flangeway.contact.contact_state import ContactState
 from flangeway.contact.newton import solve_contact
+from flangeway.contact.search import share_of
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
 from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of
@@ -440,7 +441,7 @@ def _moved(
 ) -> tuple[Placement, ...]:
     """Placements after a share of a motion."""
     return tuple(
-        _share_of(motion[part], share).after(before) if part in motion else before
+        share_of(motion[part], share).after(before) if part in motion else before
         for part, before in zip(parts, placed, strict=True)
     )
 
@@ -598,11 +599,6 @@ def _carried(handle: Handle, placements: Mapping[Part, Placement], share: float)
         load=share * handle.load,
         load_point=None if point is None else motion.points([point])[0],
     )
-
-
-def _share_of(motion: Placement, share: float) -> Placement:
-    x, y = motion.translation
-    return Placement(share * motion.rotation_rad, (share * x, share * y))
 
 
 def _gaps(system: ContactSystem, positions: Floats) -> Floats:
