@@ -125,6 +125,19 @@ def test_a_wheel_of_28_points_stays_what_it_is(tmp_path, unit, scale, side):
     assert 1e3 * drawn("AAR-1B").closest(read.surface.sampled(spacing=0.1))[2].max() < 1.0
 
 
+@pytest.mark.parametrize("name", ["S1002", "R-519-A"])
+def test_points_three_millimetres_apart_have_the_conicity_of_the_profile(tmp_path, name):
+    """On 60E1 at amplitudes of 1 to 5 mm, within 2 %."""
+    path, conicities, contour = tmp_path / "wheel.txt", [], drawn(name)
+    np.savetxt(path, points_at(contour, every(contour, 3.0, 0.4))[0], "%.9f")
+    for profile in ({"file": str(path), "unit": "mm", "body": name}, name):
+        geometry = GeometryCase(track={"rail": "60E1"}, wheelset={"wheel": profile}).geometry()
+        difference = RollingRadiusDifference.of(geometry.locus(np.linspace(-6.0, 6.0, 121)))
+        conicities.append(conicities_of(difference, 5.0).integration[5:])
+    assert len(conicities[0]) == 41
+    np.testing.assert_allclose(*conicities, rtol=0.02)
+
+
 @pytest.mark.parametrize("decimals", [6, 2])
 def test_a_drawn_wheel_stands_in_the_middle_and_runs_as_exact(tmp_path, decimals):
     """28 points, 5 of a tread of 1:20: the rigid wheelset stands in the middle, with the conicity of exact segments."""
