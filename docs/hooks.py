@@ -1,8 +1,9 @@
 """Makes of the site what Markdown cannot: formulas as MathML, which browsers show without a script, and notebooks.
 
-Examples of the gallery become notebooks to download, beside their thumbnails.
+Examples of the gallery become notebooks to download, beside their thumbnails. Each module has a reference page.
 """
 
+import ast
 import base64
 import html
 import json
@@ -20,6 +21,13 @@ from mkdocs.structure.pages import Page
 EXAMPLES = Path(__file__).parents[1] / "examples" / "gallery"
 DRAWING = EXAMPLES / "gallery_drawing.py"
 """What the examples import; their notebooks have it as a cell."""
+SOURCES = {"flangeway": "src", "flangeway_studies": "studies"}
+"""Folders below the project in which the packages are."""
+PACKAGE = re.compile(r"^::: ([\w.]+)$", re.MULTILINE)
+FOLDED = ("performance.md", "validation.md", "reference/summary.md")
+"""Pages of many tables, whose long ones are folded: a page of more than 15,000 pixels is not read."""
+MAX_ROWS = 3
+TABLE = re.compile(r"<table>.*?</table>", re.DOTALL)
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
@@ -49,7 +57,30 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         if path != DRAWING:
             notebook = json.dumps(example_notebook(path), ensure_ascii=False, indent=1)
             files.append(File.generated(config, f"examples/{path.stem}.ipynb", content=notebook + "\n"))
+    for file in [file for file in files if file.src_uri.startswith("reference/")]:
+        for name in PACKAGE.findall(file.content_string):
+            _split(name, file, files, config)
     return files
+
+
+def _split(package: str, file: File, files: Files, config: MkDocsConfig) -> None:
+    """Give each module of a package a page of its own, and the package's page a list of them."""
+    folder = EXAMPLES.parents[1] / SOURCES[package.partition(".")[0]] / package.replace(".", "/")
+    if not folder.is_dir():
+        return
+    lines = []
+    for path in sorted(folder.rglob("*.py"), key=lambda path: (len(path.relative_to(folder).parts) > 1, path)):
+        if path.stem == "__init__":
+            continue
+        inside = ".".join(path.relative_to(folder).with_suffix("").parts)
+        about = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").partition("\n\n")[0]
+        page = f"{PurePosixPath(file.src_uri).stem}/{inside}.md"
+        lines.append(f"- [`{inside}`]({page}): {' '.join(about.split())}")
+        text = f"# {inside}\n\n::: {package}.{inside}\n"
+        files.append(File.generated(config, f"reference/{page}", content=text))
+    options = "    options: {show_submodules: false}"
+    content = file.content_string.replace(f"::: {package}\n", "\n".join((f"::: {package}", options, "", *lines, "")))
+    file.content_string = content
 
 
 def example_notebook(path: Path) -> dict[str, Any]:
@@ -82,7 +113,17 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
     """Replace the formulas of a page, which pymdownx.arithmatex has marked; search lists the reference last."""
     if page.file.src_uri.startswith("reference/"):
         page.meta.setdefault("search", {"boost": 0.2})
+    if page.file.src_uri in FOLDED:
+        content = TABLE.sub(_folded, content)
     return FORMULA.sub(_mathematics, content)
+
+
+def _folded(found: re.Match[str]) -> str:
+    """A long table behind its number of rows; a search within the page, and a link into it, open it."""
+    rows = found[0].count("<tr>") - 1
+    if rows <= MAX_ROWS:
+        return found[0]
+    return f"<details><summary>table of {rows} rows</summary>{found[0]}</details>"
 
 
 def _mathematics(found: re.Match[str]) -> str:

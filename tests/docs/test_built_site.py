@@ -63,3 +63,21 @@ def test_formulas_are_shown_without_a_script_and_none_is_wider_than_the_page(ope
     assert "\\" not in page.inner_text(".md-content")
     assert "$" not in page.inner_text(".md-content")
     assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_no_page_is_longer_than_fifteen_thousand_pixels(site, opened):
+    """Each page of the site can be read: its height on a wide screen is at most 15,000 pixels."""
+    page = opened("index.html")
+    heights = {}
+    for file in sorted(site.rglob("*.html")):
+        page.goto(file.as_uri(), wait_until="domcontentloaded")
+        heights[file.relative_to(site).as_posix()] = page.evaluate("document.documentElement.scrollHeight")
+    assert len(heights) > 200
+    assert {name: height for name, height in heights.items() if height > 15_000} == {}
+
+
+def test_signatures_have_types_and_each_module_has_a_page(opened):
+    """The page of `press` shows the types of its arguments; the page of its package leads to it."""
+    page = opened("reference/contact.html")
+    page.click(".md-content a[href='contact/press.html']")
+    assert "loads: Mapping[Part, Load]" in page.inner_text("#flangeway\\.contact\\.press\\.press + .doc-signature")
