@@ -11,6 +11,7 @@ from flangeway.contact.surface import Surface
 from flangeway.contact.system import Contact, ContactSystem
 from flangeway.errors import InputError, located
 from flangeway.geometry import Arc, Placement
+from flangeway.geometry.arrays import chords_of, norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.insertion import match_all
 from flangeway.problems import Body, Elasticity, Part
@@ -188,7 +189,7 @@ class _Builder:
     def _area(self, ends: Floats) -> float:
         """Area of edges by their ends (n, 2 ends, 2), in a body of revolution all around the axis."""
         widths = 2.0 * np.pi * ends[:, :, 0].mean(axis=1) if self.case.hypothesis == "axisymmetric" else 1.0
-        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        lengths = norms(chords_of(ends))
         return float((lengths * widths).sum()) * self.case.thickness_mm
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel], notices: list[str]) -> Contact:

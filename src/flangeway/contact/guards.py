@@ -38,7 +38,7 @@ from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.search import behind, nearest_edges
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.geometry.arrays import root_parameters, turned_right
+from flangeway.geometry.arrays import chords_of, joined_columns, norms, root_parameters, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
@@ -306,7 +306,7 @@ def _paired(
         near = step * (gaps.parameters[concave] - end) > 0.0
         near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + FOOT_SLACK
         pieces.append((both[near], beside[near]))
-    nodes, partners = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
+    nodes, partners = joined_columns(pieces)
     return nodes, partners
 
 
@@ -413,7 +413,7 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
         edges = positions[other][ends]
         into, out = edges[pair[1]], edges[(pair[1] + 1) % len(edges)]
         depths = -np.stack([node_edge_gaps(positions[side][pair[0]], edge).gaps for edge in (into, out)])
-        lengths = np.minimum(*(np.linalg.norm(edge[:, 1] - edge[:, 0], axis=1) for edge in (into, out)))
+        lengths = np.minimum(*(norms(chords_of(edge)) for edge in (into, out)))
         similar = np.abs(depths[0] - depths[1]) <= DEPTH_TOLERANCE * depths.max(axis=0)
         similar &= (depths.min(axis=0) > 0.0) & (depths.max(axis=0) < lengths)
         gaps.append(positions[side][pair[0][similar]])

@@ -45,6 +45,7 @@ from flangeway.contact.contact_step import ContactStep, after, step
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Entry, carried_forces
 from flangeway.geometry import Placement
+from flangeway.geometry.arrays import largest, norms
 from flangeway.solve.active_set import friction_state
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.handles import Handle, Handles
@@ -309,7 +310,7 @@ def _in_reach(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
     parts, reach, travel = problem.parts, problem.constraints.reach, 0.0
     if not parts.n:
         return state
-    scale = MAX_FORCE_ALONG_MOTION * np.abs(parts.load).max(initial=0.0)
+    scale = MAX_FORCE_ALONG_MOTION * largest(parts.load)
     while travel <= MAX_TRAVEL * parts.size:
         alone, motions = parts.untouched(state.lin.nodes), state.placed.motions
         left = np.where(alone, parts.forces(motions), 0.0)
@@ -321,8 +322,8 @@ def _in_reach(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
         velocities = parts.velocities(motions, state.placed.reference)
         if (np.abs(left) > scale).any():  # no spring holds it: as far as the next surface is found
             left = parts.without_turns(left) if (parts.without_turns(np.abs(left)) > scale).any() else left
-            step += left * reach / float(np.linalg.norm(velocities @ left, axis=1).max())
-        length = float(np.linalg.norm(velocities @ step, axis=1).max())
+            step += left * reach / float(norms(velocities @ left).max())
+        length = float(norms(velocities @ step).max())
         travel += min(length, reach)
         state = state._replace(placed=problem.placed(motions + step * min(1.0, reach / length)))
         state = problem.at(state, problem.constraints.linearise(state.positions, state.lin))
@@ -334,7 +335,7 @@ def _without_contact(problem: ContactProblem, state: ContactIterate, among: Bool
     left, motions = problem.along_motions(state), state.placed.motions
     velocities = problem.parts.velocities(motions, state.positions)
     held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(state.nodal))
-    limit = MAX_FORCE_ALONG_MOTION * np.abs(problem.parts.load).max(initial=0.0)
+    limit = MAX_FORCE_ALONG_MOTION * largest(problem.parts.load)
     pushed = np.where(among & (np.abs(left) > limit) & (held < limit), left, 0.0)
     words = problem.parts.describe(motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
     if not words:
@@ -417,7 +418,7 @@ def _converged(problem: ContactProblem, state: ContactIterate) -> tuple[Status, 
         matrix, rigid, active = state.held.tangent  # of the last step, which changes nothing any more
         unstable = rigid.unstable(matrix, active, kept)
         stable = False if unstable.size else None if free.size else True
-    size = float(np.abs(kept.T @ problem.along_motions(state)).max(initial=0.0))
+    size = largest(kept.T @ problem.along_motions(state))
     why = "nothing prevents"
     if size > MAX_UNBALANCED_FORCE * state.forces.sum():
         why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"

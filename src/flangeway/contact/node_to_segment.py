@@ -28,7 +28,7 @@ from flangeway.contact.search import leads_out, nearest_edges
 from flangeway.contact.surface import Surface, node_normals, pressing_cosines
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, norms, point_text, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, norms, point_text, turned_right, units_of
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Bools, Floats, Ints
 
@@ -209,7 +209,7 @@ class NodeToSegment(Pairing):
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
         nodes, edges, gaps = facing_pairs(*given, stay, margins, OPEN_SLACK)
-        reach = 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
+        reach = 2.0 * float(norms(chords_of(primary_edges)).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
 
@@ -229,7 +229,7 @@ def facing_pairs(
     partners = nearest_edges(points, directions[wanted], edges, opposition)
     stays = kept[wanted] >= 0
     faced, outwards = edges[kept[wanted[stays]]], directions[wanted[stays]]
-    chords = faced[:, -1] - faced[:, 0]
+    chords = chords_of(faced)
     opposite = cross_product(chords, outwards) > opposition[stays] * norms(chords) * norms(outwards)
     stays[stays] = opposite & (np.abs(closest_parameters(points[stays], faced) - 0.5) <= 0.5 + stay)
     partners[stays] = kept[wanted[stays]]
@@ -244,7 +244,7 @@ def facing_pairs(
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     secondary_edges, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
-    sizes = np.where(on, np.linalg.norm(secondary_edges[:, -1] - secondary_edges[:, 0], axis=1), 0.0).max(axis=1)
+    sizes = np.where(on, norms(chords_of(secondary_edges)), 0.0).max(axis=1)
     faced = partners[behind, None] == np.arange(len(edges))
     near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (secondary_edges, on), (edges, faced))
     return nodes[near], partners[near], gaps.take(near)
@@ -458,7 +458,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
     mean = normals[1][opposite_nodes.ravel()[first]] - normals[0][nodes]
     at_edge = at_edge.astype(np.int64)
     column = column if primary.bends is None else 2 * column  # the middles of edges with bends are between
-    return MatchingNodes(nodes, at_edge, column, lengths[nodes], mean / np.hypot(*mean.T)[:, None])
+    return MatchingNodes(nodes, at_edge, column, lengths[nodes], units_of(mean))
 
 
 def _normals(points: Floats, surface: Surface) -> Floats:
@@ -468,4 +468,4 @@ def _normals(points: Floats, surface: Surface) -> Floats:
     normals = np.zeros_like(points)
     for ends in pairs:
         np.add.at(normals, ends, turned_right(chords) / (chords**2).sum(axis=1)[:, None])
-    return normals / np.hypot(*normals.T)[:, None]
+    return units_of(normals)

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from flangeway.geometry import Placement, crossing_shares
-from flangeway.geometry.arrays import cross_product, norms, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, joined_columns, norms, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 GROWTH = 4.0
@@ -121,7 +121,7 @@ def visits(points: Floats, edges: Floats, on_surface: Floats) -> Visits:
         block = points[:, first : first + rows].swapaxes(0, 1)
         of, near = candidate_pairs(block, swept, float(on_surface.max(initial=0.0)))
         blocks.append(_crossings(points, edges, on_surface, first + of, near))
-    of, near, times, inwards, normals = (np.concatenate(values) for values in zip(*blocks, strict=True))
+    of, near, times, inwards, normals = joined_columns(blocks)
     order = np.lexsort((~inwards, times, of))
     of, near, inwards = of[order], near[order], inwards[order]
     times, normals = times[order], normals[order]
@@ -187,8 +187,8 @@ def _crossings(
 
 def behind(points: Floats, edges: Floats) -> NDArray[np.bool_]:
     """Which points (n, 2) are behind the nearest of edges (n_edges, order + 1, 2), or hardly in front of its chord."""
-    chords = edges[:, -1] - edges[:, 0]
-    lengths = np.linalg.norm(chords, axis=1)
+    chords = chords_of(edges)
+    lengths = norms(chords)
     of, nearest = shapely.STRtree(shapely.linestrings(edges[:, [0, -1]])).query_nearest(shapely.points(points))
     apart = points[of] - edges[nearest, 0]
     in_front = (apart[:, 0] * chords[nearest, 1] - apart[:, 1] * chords[nearest, 0]) / lengths[nearest]
@@ -222,7 +222,7 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats, opposition:
 
     """
     result: Ints = np.full(len(points), -1, dtype=np.int64)
-    starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
+    starts, chords = edges[:, 0], chords_of(edges)
     normals = turned_right(chords)
     limits = -opposition * norms(directions)
     open_points = np.flatnonzero(_may_face(directions, normals, opposition))
@@ -285,11 +285,9 @@ def leads_out(
         of them each point is on or faces, shape (n, n_edges).
 
     """
-    depths = np.linalg.norm(vectors, axis=1)
+    depths = norms(vectors)
     result = np.zeros(len(points), dtype=np.bool_)
-    far = np.flatnonzero(
-        depths > ZERO_DEPTH * float(np.linalg.norm(surface[0][:, -1] - surface[0][:, 0], axis=1).max())
-    )
+    far = np.flatnonzero(depths > ZERO_DEPTH * float(norms(chords_of(surface[0])).max()))
     if len(far) == 0:
         return result
     ways = np.stack((points[far], points[far] + vectors[far]), axis=1)
@@ -311,11 +309,11 @@ def _crossed(ways: Floats, edges: Floats) -> tuple[NDArray[np.bool_], NDArray[np
 
     The third value is the distances of the ways' ends from these edges, (n,).
     """
-    starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    on_way, on_edge = crossing_shares(ways[:, 0], ways[:, 1] - ways[:, 0], starts, chords)
+    starts, chords = edges[:, 0], chords_of(edges)
+    on_way, on_edge = crossing_shares(ways[:, 0], chords_of(ways), starts, chords)
     crossed = (on_way > 0.0) & (on_way < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0)
     beyond = ways[:, 1] - starts
     share = (beyond * chords).sum(axis=1) / (chords**2).sum(axis=1)
-    out = cross_product(chords, ways[:, 1] - ways[:, 0]) < 0.0
-    apart = np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords, axis=1)
+    out = cross_product(chords, chords_of(ways)) < 0.0
+    apart = norms(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords)
     return crossed & out, crossed & ~out, apart

@@ -30,7 +30,7 @@ from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, norms, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 # --- Pieces of the secondary surface that face one primary edge, and the integrals of the gap over them.
@@ -441,8 +441,8 @@ class SegmentToSegment(Pairing):
         ``settle``: hat functions have a constraint down to `SETTLED_COVERED`.
         """
         hats = secondary.hats
-        chords = primary_edges[:, -1] - primary_edges[:, 0]
-        reach = 2.0 * float(np.linalg.norm(chords, axis=1).mean())
+        chords = chords_of(primary_edges)
+        reach = 2.0 * float(norms(chords).mean())
         edges = positions[secondary.contact_places]
         depth = (
             self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
@@ -490,10 +490,9 @@ class SegmentToSegment(Pairing):
             np.add.at(covered, pieces.edges, integrals.lengths.sum(axis=1))
             flat = covered > (1.0 - MIN_COVERED) * secondary.edge_lengths
             along, opposite = (
-                (edge_points[:, -1] - edge_points[:, 0])
-                for edge_points in (edges[pieces.edges], primary_edges[pieces.partners])
+                chords_of(edge_points) for edge_points in (edges[pieces.edges], primary_edges[pieces.partners])
             )
-            cosines = -(along * opposite).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(opposite, axis=1)
+            cosines = -(along * opposite).sum(axis=1) / norms(along) / norms(opposite)
             flat[pieces.edges[cosines < np.cos(MAX_FLAT_ANGLE)]] = False
             functions[flat[pieces.edges]] = DUAL
         return functions
@@ -509,7 +508,7 @@ def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: 
 
 def _swept(edges: Floats, reach: float, depth: float) -> Floats:
     """Points of edges (n, order + 1, 2) moved outwards by a reach and inwards by a depth, beside each other."""
-    outwards = turned_right(edges[:, -1] - edges[:, 0])
+    outwards = turned_right(chords_of(edges))
     outwards /= np.hypot(*outwards.T)[:, None]
     return np.concatenate((edges + reach * outwards[:, None], edges - depth * outwards[:, None]), axis=1)
 
@@ -525,7 +524,7 @@ def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Boo
     way = other + share[:, None] * chord - at
     result = np.zeros(len(pieces), dtype=np.bool_)
     behind = np.flatnonzero(cross_product(along, way) > 0.0)
-    sizes = (pieces.ends - pieces.starts) * np.linalg.norm(along, axis=1)
+    sizes = (pieces.ends - pieces.starts) * norms(along)
     secondary_edges = edges, pieces.edges[behind, None] == np.arange(len(edges))
     faced_edges = primary_edges, pieces.partners[behind, None] == np.arange(len(primary_edges))
     result[behind] = leads_out(at[behind], way[behind], sizes[behind], secondary_edges, faced_edges)

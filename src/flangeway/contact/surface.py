@@ -17,8 +17,10 @@ from flangeway.geometry.arrays import (
     COLLINEAR,
     ROUGH_ANGLE,
     chord_depths,
+    chords_of,
     cross_product,
     facet_depths,
+    largest,
     norms,
     point_text,
     turned_right,
@@ -206,7 +208,7 @@ class Surface:
         points, outer = self.part.body.nodes, self.part.body.boundary_edges
         into = np.full(len(points), -1)
         into[outer[:, 1]] = np.arange(len(outer))
-        chords, before = points[outer[:, 1]] - points[outer[:, 0]], into[outer[:, 0]]
+        chords, before = chords_of(points[outer]), into[outer[:, 0]]
         turns = np.arctan2(cross_product(chords[before], chords), (chords[before] * chords).sum(axis=1))
         return np.flatnonzero(np.isin(self.nodes, outer[(turns > ROUGH_ANGLE) & (before >= 0), 0]))
 
@@ -234,7 +236,7 @@ class Surface:
             off = body.mesh.edge_middles(body.mesh.edge_numbers(self.edge_nodes)) - middles
         else:
             return None
-        bends = as_complex(off) / as_complex(ends[:, 1] - ends[:, 0])
+        bends = as_complex(off) / as_complex(chords_of(ends))
         return bends if np.abs(bends).max() > MAX_STRAIGHT_DISTANCE else None
 
     @cached_property
@@ -284,7 +286,7 @@ class Surface:
     @property
     def curve_height(self) -> float:
         """Maximum height of the undeformed edges' inner points over the chords."""
-        return float(np.abs(heights_of(self.points[self.contact_places])).max(initial=0.0))
+        return largest(heights_of(self.points[self.contact_places]))
 
     @cached_property
     def is_curved(self) -> Bools:
@@ -320,7 +322,7 @@ class Surface:
         return closest - points
 
     def _refuse_far_curve(self) -> None:
-        apart = np.linalg.norm(self.shifts, axis=1)
+        apart = norms(self.shifts)
         allowed = MAX_CURVE_DISTANCE * float(self.edge_lengths.mean())
         if apart.max() > allowed:
             x, y = self.part.body.nodes[self.nodes[apart.argmax()]]
@@ -334,7 +336,7 @@ class Surface:
     def edge_lengths(self) -> Floats:
         """Undeformed lengths of the edges, shape (n_edges,)."""
         points = self.part.body.nodes
-        return np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
+        return norms(chords_of(points[self.edge_nodes]))
 
     @cached_property
     def hats(self) -> Hats:
@@ -446,7 +448,7 @@ def sagittas_of(
     )
     # the last edge of a chain is treated as one on the curve of the turn before
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
-    lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
+    lengths = norms(chords_of(deformed))
     depths = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, limit)
     depths[exact] = 0.0
     bulge = np.abs(heights_of(deformed) - heights_of(drawn)).max(axis=1, initial=0.0)
@@ -460,12 +462,12 @@ def sagittas_of(
 def heights_of(edges: Floats) -> Floats:
     """Heights of the inner points of edges (n, order + 1, 2) over their chords, out of the body, (n, order - 1)."""
     chords = edges[:, -1:] - edges[:, :1]
-    return -cross_product(chords, edges[:, 1:-1] - edges[:, :1]) / np.linalg.norm(chords, axis=2)
+    return -cross_product(chords, edges[:, 1:-1] - edges[:, :1]) / norms(chords)
 
 
 def turns_of(edges: Floats, following: Ints) -> Floats:
     """Angle from each edge (n, 2, 2) to the one that follows."""
-    chords = edges[:, 1] - edges[:, 0]
+    chords = chords_of(edges)
     after = chords[following]
     return np.arctan2(cross_product(chords, after), (chords * after).sum(axis=1))
 
@@ -483,10 +485,10 @@ def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = Fals
         Whether normals are of length 1, so that the sums bisect corners; else they are as long as their edges.
 
     """
-    chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
+    chord = chords_of(positions[edge_places])
     edge_normals = turned_right(chord)
     if bisecting:
-        edge_normals /= np.linalg.norm(chord, axis=1)[:, None]
+        edge_normals /= norms(chord)[:, None]
     normals = np.zeros_like(positions)
     for column in edge_places.T:
         np.add.at(normals, column, edge_normals)

@@ -26,6 +26,7 @@ from flangeway.contact.search import visits
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import largest, norms
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
 from flangeway.solve.active_set import LIMIT_MARGIN
@@ -543,7 +544,7 @@ class ContactSystem:
         - `before`, `after`: positions of the surface nodes, each (n_nodes, 2).
         - `lin`: linearisation of the contacts about those after the move.
         """
-        if np.abs(after - before).max(initial=0.0) <= SMALL_MOVE * self.reach:
+        if largest(after - before) <= SMALL_MOVE * self.reach:
             return None
         points = np.stack((self._all_points(before), self._all_points(after)))
         all_entries: list[tuple[int, int, Ints, Floats]] = []
@@ -559,7 +560,7 @@ class ContactSystem:
                 pieces = np.stack((places[:, :-1].ravel(), places[:, 1:].ravel()), axis=1)
                 edges = at[other][:, pieces]
                 # short edges beside long ones turn about their nodes as these deform: their length says nothing
-                lengths = maximum_filter1d(np.linalg.norm(edges[0, :, 1] - edges[0, :, 0], axis=1), N_NEIGHBOURS)
+                lengths = maximum_filter1d(norms(edges[0, :, 1] - edges[0, :, 0]), N_NEIGHBOURS)
                 depths = SHALLOW * lengths
                 entry = visits(at[side][:, :n], edges, depths)
                 shows = on_shown[entry.points] if side == 0 else shown[entry.edges // (places.shape[1] - 1)]

@@ -10,7 +10,7 @@ from flangeway.elements.monomials import Frame
 from flangeway.elements.projection import CellGeometry
 from flangeway.elements.reconstruction import Reconstruction
 from flangeway.elements.virtual import Virtual
-from flangeway.geometry.arrays import norms
+from flangeway.geometry.arrays import norms, units_of
 from flangeway.mesh.connectivity import row_numbers
 from flangeway.mesh.polyhedral_mesh import PolyhedralMesh
 from flangeway.types import Floats, Indices, Ints
@@ -83,7 +83,7 @@ def face_batches(mesh: PolyhedralMesh, faces: Indices) -> Iterator[FaceBatch]:
         chosen = np.asarray(faces)[counts[faces] == n].astype(np.int64)
         places = mesh.face_offsets[chosen].astype(np.int64)[:, None] + np.arange(n)
         corners = mesh.points[mesh.face_points[places]]
-        normals = mesh.face_vectors[chosen] / norms(mesh.face_vectors[chosen])[:, None]
+        normals = units_of(mesh.face_vectors[chosen])
         # the first axis is across the normal and the coordinate along which this has its smallest component
         first = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
         first /= norms(first)[:, None]

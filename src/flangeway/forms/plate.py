@@ -21,7 +21,7 @@ from flangeway.elements.projection import principal_frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.forms.weak import scattered
-from flangeway.geometry.arrays import steps_around
+from flangeway.geometry.arrays import chords_of, joined_columns, steps_around
 from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, FormMatrix, Space
 from flangeway.space.functions import at_points, function_of
@@ -96,7 +96,7 @@ class Plate:
     def _axes(self) -> tuple[Floats, Bools]:
         """Directions of the two slopes at each point, (n_points, 2 slopes, 2), and where the boundary has a corner."""
         edges = self.mesh.boundary_edges
-        along = self.mesh.points[edges[:, 1]] - self.mesh.points[edges[:, 0]]
+        along = chords_of(self.mesh.points[edges])
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         before, after = np.tile([1.0, 0.0], (2, self.mesh.n_points, 1))
         before[edges[:, 1]], after[edges[:, 0]] = along, along
@@ -265,5 +265,5 @@ class Plate:
             low = at[: len(cells.curvature)]
             bent = np.einsum("aqe,aijme,me->qeij", low, cells.curvature, local, optimize=True)
             parts.append((points.swapaxes(1, 2).reshape(-1, 2), weights.ravel(), value.ravel(), bent.reshape(-1, 2, 2)))
-        at, weight, deflection, second = (np.concatenate(column) for column in zip(*parts, strict=True))
+        at, weight, deflection, second = joined_columns(parts)
         return at, weight, deflection, second

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.elements import Function, Reconstruction, missed_mass, monomials
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, joined_columns
 from flangeway.post.stress import cells_of, polynomials_at
 from flangeway.problems.elasticity_problem import add_consistency, strain_operators
 from flangeway.problems.loads import EdgeQuadrature, edge_quadrature
@@ -96,7 +96,7 @@ class Field:
             points, weights = batch.quadrature(degree)
             values = self.on(batch, points)
             parts.append((points.swapaxes(1, 2).reshape(-1, 2), weights.ravel(), values.value, values.gradient))
-        points, weights, value, gradient = (np.concatenate(part) for part in zip(*parts, strict=True))
+        points, weights, value, gradient = joined_columns(parts)
         return points, weights, PointValues(value, gradient)
 
     def on(self, batch: CellBatch, points: Floats) -> PointValues:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -117,6 +117,26 @@ def middles_of(ends: Floats) -> Floats:
     return (ends[1:] + ends[:-1]) / 2.0
 
 
+def chords_of(edges: Floats) -> Floats:
+    """Return the vectors (n, d) from the first to the last of the points of edges (n, k, d)."""
+    return edges[:, -1] - edges[:, 0]
+
+
+def units_of(vectors: Floats) -> Floats:
+    """Return vectors (n, d) divided by their lengths."""
+    return vectors / norms(vectors)[:, None]
+
+
+def largest(values: Floats) -> float:
+    """Return the largest magnitude of numbers, 0 of none."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def joined_columns(rows: Iterable[Sequence[NDArray[Any]]]) -> tuple[NDArray[Any], ...]:
+    """Return the arrays of a table, those of each column one after the other along their first axis."""
+    return tuple(np.concatenate(column) for column in zip(*rows, strict=True))
+
+
 def cross_product(a: Floats, b: Floats) -> Floats:
     """Return the component out of the plane of the cross products of vectors (..., 2), positive if b is left of a."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
@@ -150,7 +170,7 @@ def nearest_on_segments(points: Floats, starts: Floats, ends: Floats) -> tuple[I
     """
     apart, chords = points[:, None] - starts, ends - starts
     shares = np.clip((apart * chords).sum(axis=-1) / (chords**2).sum(axis=-1), 0.0, 1.0)
-    distances = np.linalg.norm(apart - shares[..., None] * chords, axis=-1)
+    distances = norms(apart - shares[..., None] * chords)
     nearest, rows = distances.argmin(axis=1), np.arange(len(points))
     return nearest, shares[rows, nearest], distances[rows, nearest]
 
@@ -222,6 +242,6 @@ def root_parameters(
     for _ in range(MAX_NEWTON_STEPS):
         previous = parameters
         parameters = within(parameters - np.clip(change(parameters), -max_step, max_step))
-        if np.abs(parameters - previous).max(initial=0.0) <= tolerance:
+        if largest(parameters - previous) <= tolerance:
             break
     return parameters

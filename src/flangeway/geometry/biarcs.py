@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, as_point, cross_product, norms
+from flangeway.geometry.arrays import FloatArray, as_point, cross_product, units_of
 from flangeway.geometry.segments import Arc, Line, Segment
 
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -59,7 +59,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
 def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:
     """Return two arcs between parameters and their maximum distance from the curve."""
     points, tangents = curve(low + (high - low) * _FRACTIONS)
-    tangents = tangents / norms(tangents)[:, None]
+    tangents = units_of(tangents)
     start, end, t0, t1 = points[0], points[-1], tangents[0], tangents[-1]
     chord = end - start
     along = float(chord @ (t0 + t1))

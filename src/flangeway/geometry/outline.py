@@ -232,7 +232,7 @@ class Contour:
         block = max(BLOCK // len(starts), 1)
         for first in range(0, len(given), block):
             # a segment is within its length of its start: few of many can be the closest
-            to_starts = np.linalg.norm(given[first : first + block, None] - starts, axis=2)
+            to_starts = norms(given[first : first + block, None] - starts)
             near = to_starts - lengths <= (1.0 + JOINT_TOLERANCE) * to_starts.min(axis=1, keepdims=True)
             for number in np.flatnonzero(near.any(axis=0)):
                 rows = first + np.flatnonzero(near[:, number])

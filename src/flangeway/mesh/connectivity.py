@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, cross_product, norms
+from flangeway.geometry.arrays import IntArray, chords_of, cross_product, norms
 from flangeway.geometry.placement import Placement
 from flangeway.types import Bools, Floats, Indices, Ints, floats
 
@@ -102,7 +102,7 @@ def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, B
 
 def shortest_edges(points: Floats, edges: Indices) -> Floats:
     """Return the length of the shortest of some edges (m, 2) at each point, infinite where none is, (n_points,)."""
-    lengths = norms(points[edges[:, 1]] - points[edges[:, 0]])
+    lengths = norms(chords_of(points[edges]))
     shortest = np.full(len(points), np.inf)
     np.minimum.at(shortest, edges, lengths[:, None])
     return shortest

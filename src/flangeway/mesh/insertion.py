@@ -17,11 +17,14 @@ from flangeway.geometry.arrays import (
     IntArray,
     as_point,
     as_points,
+    chords_of,
     cross_product,
     extent,
+    joined_columns,
     norms,
     point_text,
     turned_right,
+    units_of,
 )
 from flangeway.geometry.segments import Line
 from flangeway.mesh.connectivity import (
@@ -279,7 +282,7 @@ def _normals(points: Floats, pairs: Indices) -> Floats:
     chords of a circle it is the circle's. Lines that meet at more than `CORNER` keep their own.
     """
     chain = ordered_pairs(np.asarray(pairs, dtype=np.int32), "boundary").astype(np.int64)
-    chords = points[chain[:, 1]] - points[chain[:, 0]]
+    chords = chords_of(points[chain])
     before = np.roll(chords, 1, axis=0)
     turns = np.abs(np.arctan2(cross_product(before, chords), np.einsum("mi,mi->m", before, chords)))
     turns[np.roll(chain[:, 1], 1) != chain[:, 0]] = np.pi
@@ -293,7 +296,7 @@ def _normals(points: Floats, pairs: Indices) -> Floats:
     joint = scaled + np.roll(scaled, 1, axis=0)
     starts = np.where(smooth[:, None], joint, scaled)
     ends = np.where(np.roll(smooth, -1)[:, None], np.roll(joint, -1, axis=0), scaled)
-    starts, ends = (directions / norms(directions)[:, None] for directions in (starts, ends))
+    starts, ends = (units_of(directions) for directions in (starts, ends))
     first = np.zeros((len(sums), 2))
     first[line[bent]] = points[chain[bent, 0]]
     part = np.einsum("mei,mi->me", points[chain] - first[line][:, None], sums[line]) / squares[line][:, None]
@@ -318,7 +321,7 @@ def _opposite(
     candidates = np.unique(np.column_stack((np.ravel(other[1]), normals.reshape(-1, 2))), axis=0)
     nodes, directions = candidates[:, 0].astype(np.int64), candidates[:, 1:]
     edges = points[pairs]
-    chords, lengths = edges[:, 1] - edges[:, 0], norms(edges[:, 1] - edges[:, 0])
+    chords, lengths = chords_of(edges), norms(chords_of(edges))
     pieces = []
     for some in np.array_split(np.arange(len(nodes)), 1 + len(nodes) * len(edges) // MAX_PAIRS):
         apart = other[0][nodes[some]][:, None, None] - edges  # (n, m, 2, 2)
@@ -336,7 +339,7 @@ def _opposite(
         gaps = np.einsum("ki,ki->k", steps, own - facing) / 2.0
         rising = (root > 0.0) & (gaps >= -reach) & (np.einsum("ki,ki->k", own, facing) < -FACING)
         pieces.append((nodes[some[which[rising]]], at[rising], parameters[rising], norms(steps[rising])))
-    which, at, parameters, distances = (np.concatenate(column) for column in zip(*pieces, strict=True))
+    which, at, parameters, distances = joined_columns(pieces)
     order = np.lexsort((distances, which))
     order = order[np.diff(which[order], prepend=-1) != 0]
     which, at, parameters = which[order], at[order], parameters[order]

@@ -9,7 +9,7 @@ import shapely
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, extent, norms, point_text
+from flangeway.geometry.arrays import IntArray, chords_of, extent, norms, point_text
 from flangeway.mesh.connectivity import edge_places, first_connected, places_among, row_numbers
 from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.insertion import corners_added
@@ -53,7 +53,7 @@ def meeting(points: Floats, segments: IntArray) -> Meeting:
 
     They may meet at a point that is an end of both.
     """
-    reach = touching_distance(norms(points[segments[:, 1]] - points[segments[:, 0]]), points)
+    reach = touching_distance(norms(chords_of(points[segments])), points)
     lines = shapely.linestrings(points[segments])
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach)
     i, j = np.stack((i, j))[:, i < j]
@@ -217,7 +217,7 @@ def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
                 "divide the cell there",
             )
         sides = np.column_stack([corners, np.roll(corners, -1)])
-        lengths = norms(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]])
+        lengths = norms(chords_of(mesh.points[sides]))
         if lengths.min() <= MIN_SIDE * lengths.max():
             raise _same_place(mesh, *sides[lengths.argmin()])
         meets = meeting(mesh.points, sides)
@@ -334,7 +334,7 @@ def _refuse_inner_boundary(mesh: PolyMesh, rim: IntArray, bodies: Ints) -> None:
     n_chains = int(chain.max()) + 1
     if n_chains == 1:  # one closed curve, which positive cells fill once
         return
-    steps = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
+    steps = chords_of(mesh.points[rim])
     longest = np.lexsort((-norms(steps), chain))
     rows = longest[np.searchsorted(chain[longest], np.arange(n_chains))]
     beside = touching_distance(norms(steps[rows]), mesh.points) / norms(steps[rows])
@@ -422,7 +422,7 @@ def check_curved_cells(mesh: PolyMesh, cells: Indices, order: int) -> None:
     assert mesh.curves is not None
     ends = mesh.points[mesh.curves.pairs]
     apart = norms(mesh.curves.points([0.0, 1.0]) - ends).max(axis=1)
-    off = apart > OFF_CURVE * norms(ends[:, 1] - ends[:, 0])
+    off = apart > OFF_CURVE * norms(chords_of(ends))
     if off.any():
         a, b = mesh.curves.pairs[off.argmax()]
         raise InputError(

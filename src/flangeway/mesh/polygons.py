@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from flangeway.checks import as_numbers, check_integer
 from flangeway.errors import InputError, short
 from flangeway.geometry import Line, Outline
-from flangeway.geometry.arrays import IntArray, angles_of, cross_product, extent, point_text, sides_of
+from flangeway.geometry.arrays import IntArray, angles_of, chords_of, cross_product, extent, point_text, sides_of
 from flangeway.mesh.connectivity import first_connected, next_in_row, offsets_of, places_among, row_numbers
 from flangeway.mesh.curved import Curves, curved, with_names
 from flangeway.mesh.insertion import divided
@@ -225,7 +225,7 @@ def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> t
     triangles = row_numbers(mesh.cell_offsets)
     rays = centroids[triangles] - mesh.points[about]
     angles = angles_of(rays)
-    edges = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
+    edges = chords_of(mesh.points[rim])
     first = np.zeros(mesh.n_points)
     first[rim[:, 0]] = angles_of(edges)
     order = np.lexsort((np.mod(angles - first[about], 2.0 * np.pi), about))

@@ -9,7 +9,7 @@ from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, 
 from flangeway.contact.force_errors import contact_regions
 from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chain_lengths
+from flangeway.geometry.arrays import chain_lengths, largest, norms
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.results import Result, ResultTable
 from flangeway.space.symmetric import EPS
@@ -331,9 +331,7 @@ def _corner_in(contact: Contact, region: Floats, positions: tuple[Floats, Floats
     length = max(float(surface.edge_lengths.min()) for surface in contact.sides)
     for own, other in (corners, corners[::-1]):
         for corner in own:
-            to_region, to_others = (
-                np.linalg.norm(points - corner, axis=1).min(initial=np.inf) for points in (region, other)
-            )
+            to_region, to_others = (norms(points - corner).min(initial=np.inf) for points in (region, other))
             if to_region <= length and to_others > length / 2.0:
                 return float(corner[0]), float(corner[1])
     return None
@@ -350,7 +348,7 @@ def _lengths(contact: Contact) -> Floats:
         return contact.node_areas / body.thickness
     lengths, nodes = np.zeros(len(surface.nodes)), np.unique(contact.pairing.key_nodes(surface))
     starts, ends = (nodes, np.roll(nodes, -1)) if surface.is_closed else (nodes[:-1], nodes[1:])
-    apart = np.linalg.norm(np.subtract(*body.nodes[surface.nodes[np.array([ends, starts])]]), axis=1) / 2.0
+    apart = norms(np.subtract(*body.nodes[surface.nodes[np.array([ends, starts])]])) / 2.0
     np.add.at(lengths, starts, apart)
     np.add.at(lengths, ends, apart)
     return lengths
@@ -507,7 +505,7 @@ def check_contact(
     warnings: list[str] = []
     solved = system.solved(state.linearisation, state.forces)
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
-        if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
+        if forces.min(initial=0.0) < -MAX_PULL * largest(forces):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         own_patches = [patch for patch in patches if patch.contact == number]
         depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))

@@ -13,7 +13,7 @@ from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import edge_points, edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import ROUGH_ANGLE, facet_depths, norms, point_text, steps_around
+from flangeway.geometry.arrays import ROUGH_ANGLE, chords_of, facet_depths, norms, point_text, steps_around
 from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import set_numbers
@@ -333,7 +333,7 @@ class Elasticity(Generic[Mesh]):
         ends, loops = mesh.points[pairs], chain_starts(pairs)[1:]
         depths = np.concatenate([facet_depths(loop, ROUGH_ANGLE) for loop in np.split(ends, loops)])
         # a chord and its arc have 2/3 of the product of their distance and length between them
-        fraction = np.sum(straight * depths * norms(ends[:, 1] - ends[:, 0])) / 1.5 / mesh.cell_areas.sum()
+        fraction = np.sum(straight * depths * norms(chords_of(ends))) / 1.5 / mesh.cell_areas.sum()
         if fraction < MAX_FACET_AREA:
             return None
         return (
@@ -391,7 +391,7 @@ class Elasticity(Generic[Mesh]):
 
     def node_at(self, point: Sequence[float]) -> int:
         """Node at a given place; an InputError where there is none."""
-        apart = np.linalg.norm(self.space.nodes - np.asarray(point), axis=1)
+        apart = norms(self.space.nodes - np.asarray(point))
         node = int(apart.argmin())
         if apart[node] > SAME_PLACE * self.size:
             raise InputError(

@@ -12,7 +12,7 @@ from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.elements.polyhedra import face_batches
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, located, short
-from flangeway.geometry.arrays import IntArray, Place, Point, turned_right
+from flangeway.geometry.arrays import IntArray, Place, Point, norms, turned_right
 from flangeway.materials import Material
 from flangeway.mesh import PolyhedralMesh
 from flangeway.space import CellBatch, Mesh, Space
@@ -140,7 +140,7 @@ def edge_quadrature(space: Space[Any], pairs: Indices, n_points: int | None = No
     start = space.nodes[nodes[:, :1]]
     local = space.nodes[nodes] - start  # no digits are lost far from the origin
     along = slopes @ local
-    lengths = np.linalg.norm(along, axis=2)
+    lengths = norms(along)
     normals = turned_right(along) / lengths[..., None]
     return EdgeQuadrature(nodes, start + shapes @ local, lengths * weights, shapes, normals)
 

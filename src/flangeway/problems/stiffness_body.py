@@ -16,7 +16,7 @@ from flangeway.checks import as_numbers, check_angle, check_kind, check_positive
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import IntArray, cross_product, norms, point_text
+from flangeway.geometry.arrays import IntArray, chords_of, cross_product, largest, norms, point_text, units_of
 from flangeway.mesh.connectivity import NamedEdges, edge_places
 from flangeway.mesh.mesh_checks import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
@@ -610,7 +610,7 @@ class StiffnessBody(LinearBody):
     def _joined(self, name: str, edges: Ints) -> Ints:
         """Nodes along the chain that edges (n_edges, order + 1) make, with the body on the left."""
         if self.order == 2:
-            apart = np.linalg.norm(self.nodes[edges][:, :, None] - self.nodes[edges][:, None], axis=-1).sum(axis=-1)
+            apart = norms(self.nodes[edges][:, :, None] - self.nodes[edges][:, None]).sum(axis=-1)
             around = (apart.argmin(axis=1)[:, None] + np.arange(-1, 2)) % 3
             edges = np.take_along_axis(edges, around, axis=1)
         ends, numbers, counts = np.unique(edges[:, [0, -1]], return_inverse=True, return_counts=True)
@@ -639,8 +639,8 @@ class StiffnessBody(LinearBody):
                 f"{self._owner}: K[{row}, {matrix.indices[at]}] is {matrix.data[at]}", "finite numbers", "correct it"
             )
         apart = sp.coo_array(matrix - matrix.T)
-        most = float(np.abs(matrix.data).max(initial=0.0))
-        if np.abs(apart.data).max(initial=0.0) > MAX_ASYMMETRY * most:
+        most = largest(matrix.data)
+        if largest(apart.data) > MAX_ASYMMETRY * most:
             i, j = (int(indices[np.abs(apart.data).argmax()]) for indices in apart.coords)
             raise InputError(
                 f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
@@ -783,7 +783,7 @@ class StiffnessBody(LinearBody):
         _, clear, forces = self._tested
         areas, line = self._areas(edges), np.append(edges[:, :-1], edges[-1, -1])[1:-1]
         line = line[areas[line].any(axis=1)]  # without an edge along the axis of revolution
-        normals = areas[line] / norms(areas[line])[:, None]
+        normals = units_of(areas[line])
         pressures = (forces[line] * normals).sum(axis=1) / norms(areas[line])
         sums = np.abs(pressures[1:]) + np.abs(pressures[:-1])
         jumps = 2.0 * np.diff(pressures) / np.where(sums > 0.0, sums, 1.0)
@@ -798,7 +798,7 @@ class StiffnessBody(LinearBody):
                 "edges of the elements of K: order=2 with the middle nodes of quadratic ones, order=1 for linear ones",
                 "give the order of the elements, and begin at the corner of one",
             )
-        starts, chords = self.nodes[edges[:, 0]], self.nodes[edges[:, -1]] - self.nodes[edges[:, 0]]
+        starts, chords = self.nodes[edges[:, 0]], chords_of(self.nodes[edges])
         lengths = norms(chords)
         around = cKDTree(self.nodes).query_ball_point(starts + chords / 2.0, lengths)
         edge, node = np.repeat(np.arange(len(edges)), [*map(len, around)]), np.concatenate(around).astype(np.int64)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.geometry.arrays import cross_product, joined_columns, point_text
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
 from flangeway.types import Bools, Floats, Ints
@@ -157,7 +157,7 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
         columns, at = sum(map(len, of_columns)) + np.arange(basis.shape[1]), components(handle.nodes)
         entries.append((np.repeat(at, len(columns)), np.tile(columns, len(at)), (handle.arms @ basis).ravel()))
         of_columns.append(np.full(len(columns), space.n_nodes + number))
-    at, columns, values = (np.concatenate(column) for column in zip(*entries, strict=True))
+    at, columns, values = joined_columns(entries)
     unknowns = np.concatenate(of_columns).astype(np.int32)
     transform = sp.csr_array(sp.coo_array((values, (at, columns)), shape=(shift.size, len(unknowns))))
     kept = free.ravel() if len(oblique) == 0 and not handles else None
@@ -193,7 +193,7 @@ def _rows(problem: Elasticity[Any], handles: Sequence[HandleNodes]) -> Rows:
                     add(number, nodes, direction, scalar_at(name, value, points[nodes]))
     if problem.axisymmetric:
         add(AXIS, problem.on_axis, np.array([1.0, 0.0]), np.zeros(len(problem.on_axis)))
-    return Rows(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+    return Rows(*joined_columns(parts))
 
 
 def _handles(problem: Elasticity[Any]) -> list[HandleNodes]:

@@ -20,7 +20,7 @@ import numpy as np
 from flangeway.checks import are_finite, check_kind, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import turned_right
+from flangeway.geometry.arrays import norms, turned_right
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.constraints import described_motions
@@ -112,7 +112,7 @@ class Handle:
                 )
             object.__setattr__(self, name, given.astype(np.float64))
         independent = np.linalg.matrix_rank(self.directions) == len(self.directions)
-        if self.n_motions == 0 or not independent or not np.allclose(np.linalg.norm(self.directions, axis=1), 1.0):
+        if self.n_motions == 0 or not independent or not np.allclose(norms(self.directions), 1.0):
             raise InputError(
                 f"Handle(directions={short(self.directions)}, turns={self.turns})",
                 "at most two unit vectors that are not parallel, and at least one slide or the rotation",
@@ -341,9 +341,7 @@ class Handles:
         worst = 0.0
         for _, components, members, _ in self._motions(step):
             for i in members:
-                moved = np.linalg.norm(velocities[self._nodes(i), :, components] @ step[components], axis=1).max(
-                    initial=0.0
-                )
+                moved = norms(velocities[self._nodes(i), :, components] @ step[components]).max(initial=0.0)
                 worst = max(worst, moved / (LONGEST_MOVE * self._response.surfaces[i].body.size))
         return step / max(worst, 1.0)
 

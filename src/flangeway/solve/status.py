@@ -8,6 +8,7 @@ import numpy as np
 
 from flangeway.checks import are_finite, check_integer, check_positive, check_tolerance
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import norms
 from flangeway.types import Floats
 
 # --- How a computation ended, and the limits and the history of Newton's method.
@@ -330,4 +331,4 @@ def follow(
 def _total(state: PathState, other: PathState | None = None) -> float:
     """Sum of the nodal forces' norms, or of those of their differences from another state at the same position."""
     forces = state.nodal_forces if other is None else state.nodal_forces - other.nodal_forces
-    return float(np.linalg.norm(forces, axis=1).sum())
+    return float(norms(forces).sum())

@@ -16,7 +16,7 @@ from flangeway._core import NotPositiveDefiniteError, n_threads
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.exact import half_space_blocks
-from flangeway.geometry.arrays import chain_lengths
+from flangeway.geometry.arrays import chain_lengths, middles_of
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
@@ -234,7 +234,7 @@ class SurfaceCells:
     @property
     def middles(self) -> Floats:
         """Middles of the cells' chords, shape (n_cells, 2)."""
-        return (self.ends[1:] + self.ends[:-1]) / 2.0
+        return middles_of(self.ends)
 
     @cached_property
     def frames(self) -> Floats:
@@ -246,8 +246,8 @@ class SurfaceCells:
         angles = np.unwrap(np.angle(np.diff(self.chain, axis=0) @ np.array([1.0, 1j])))
         first = np.flatnonzero(np.abs(np.diff(angles, prepend=np.inf)) > MAX_STRAIGHT_ANGLE)
         bounds = np.append(self._stations[first], self._stations[-1])
-        at_cells = (self.limits[1:] + self.limits[:-1]) / 2.0
-        turned = np.interp(at_cells, (bounds[1:] + bounds[:-1]) / 2.0, angles[first])
+        at_cells = middles_of(self.limits)
+        turned = np.interp(at_cells, middles_of(bounds), angles[first])
         frames = np.zeros((self.n_cells, 3, 3))
         frames[:, 0, :2] = np.stack((np.cos(turned), np.sin(turned)), axis=1)
         frames[:, 1, :2] = np.stack((np.sin(turned), -np.cos(turned)), axis=1)
@@ -260,7 +260,7 @@ class SurfaceCells:
         space = self.problem.elasticity.space
         inside = self._stations[(self._stations > self.limits[0]) & (self._stations < self.limits[-1])]
         cuts = np.unique(np.concatenate((self.limits, inside)))
-        middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
+        middles, lengths = middles_of(cuts), np.diff(cuts)
         edge = np.clip(np.searchsorted(self._stations, middles) - 1, 0, len(self.edges) - 1)
         cell = np.clip(np.searchsorted(self.limits, middles) - 1, 0, self.n_cells - 1)
         abscissae, weights = gauss(space.order + 1)
@@ -472,7 +472,7 @@ class ComplianceTable:
         mixed = (longitudinal[:, None] != longitudinal)[:, None]
         growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
         beyond = ((result[: last + 3] - exact)[last + 1 :] / growth[last + 1 :]).mean(axis=0)
-        middles = (limits[1:] + limits[:-1]) / 2.0
+        middles = middles_of(limits)
         near = (np.abs(middles[:, None] - middles) <= (1.0 + LENGTH_TOLERANCE) * reach)[:, None, :, None]
         result[: last + 1] = np.where(near, exact + growth * beyond, result[: last + 3])[: last + 1]
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import middles_of
 from flangeway.materials import Elastic
 from flangeway.solve import Status, SurfaceCells, compliance_table
 from flangeway.solve.surface_compliance import half_spaces_on
@@ -393,7 +394,7 @@ def elastic_surface(
 
     settings = numbers, TABLE_TOLERANCE, CORRECTED_DISTANCE, MIN_WAVENUMBER
     remainder = cached(cache, make, "remainder", *cells.content, *settings)
-    stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
+    stations = middles_of(cells.limits)
     return ElasticSurface(
         cells.material,
         stations,

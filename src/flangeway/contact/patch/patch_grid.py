@@ -10,7 +10,7 @@ from flangeway.contact.patch.normal_contact import Convolution, NormalContact, s
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus, half_space_influence
 from flangeway.geometry import Contour, Placement, Point, crossing_shares
-from flangeway.geometry.arrays import chain_lengths, turned_right
+from flangeway.geometry.arrays import chain_lengths, middles_of, norms, turned_right, units_of
 from flangeway.problems import Harmonic
 from flangeway.types import Bools, Floats, Ints
 
@@ -171,10 +171,10 @@ def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     chords, ends = np.diff(chain, axis=0), chain_lengths(chain)
     points = np.stack([np.interp(stations, ends, chain[:, axis]) for axis in range(2)], axis=1)
     # normals of the edges belong to their middles, between which they turn
-    middles = (ends[1:] + ends[:-1]) / 2.0
+    middles = middles_of(ends)
     normals = turned_right(chords) / np.diff(ends)[:, None]
     normals_at = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
-    return points, normals_at / np.linalg.norm(normals_at, axis=1)[:, None]
+    return points, units_of(normals_at)
 
 
 def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats]:
@@ -267,7 +267,7 @@ class PatchGrid:
     @property
     def stations(self) -> Floats:
         """Middles of the cells along the surface, shape (n_cells,)."""
-        return (self.bounds[1:] + self.bounds[:-1]) / 2.0
+        return middles_of(self.bounds)
 
     @property
     def middles(self) -> tuple[Floats, Floats]:
@@ -382,9 +382,9 @@ def gaps_of(first: PatchBody, second: PatchBody, grid: PatchGrid) -> GridGaps:
         )
     ends, end_normals = points_along(first.chain, grid.bounds)
     _, others = cast(ends, end_normals, second.chain)
-    middles = (ends[1:] + ends[:-1]) / 2.0
+    middles = middles_of(ends)
     normals = end_normals[1:] + end_normals[:-1]
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    normals /= norms(normals)[:, None]
     values = np.empty((len(middles), grid.n_strips))
     bodies = (first, second)
     straight = all(body.axis is None or body.axis.yaw_rad == 0.0 for body in bodies)
@@ -401,7 +401,7 @@ def gaps_of(first: PatchBody, second: PatchBody, grid: PatchGrid) -> GridGaps:
         )
         met = np.isfinite(low) & np.isfinite(high)
         gaps = np.where(met, high, np.inf) - np.where(met, low, 0.0)
-        values[:, numbers == number] = ((gaps[1:] + gaps[:-1]) / 2.0)[:, None]
+        values[:, numbers == number] = middles_of(gaps)[:, None]
     return GridGaps(middles, normals, values, others)
 
 

@@ -12,6 +12,7 @@ from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Creepages, CreepForces, RollingContact
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import middles_of
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
@@ -244,7 +245,7 @@ class SimplifiedRolling(CreepForces):
         """
         (tractions, slips, _), x = self.nodes, self.strips.x
         # slip at a node is that of the step before it
-        means = (tractions[1:] + tractions[:-1]) / 2.0
+        means = middles_of(tractions)
         steps = -np.sum(means * slips[1:], axis=1) * (x[:-1] - x[1:])
         return np.concatenate((np.zeros((1, x.shape[1])), np.cumsum(steps, axis=0)))
 
