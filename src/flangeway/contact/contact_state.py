@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Sliding, carried_forces, nodal_forces_of
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import largest, norms
+from flangeway.geometry.arrays import max_magnitude, norms
 from flangeway.solve.active_set import CoulombState, Motions, standoffs, violations
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.handles import Handles
@@ -269,7 +269,7 @@ class ContactProblem:
     def scale(self, state: ContactIterate) -> float:
         """Maximum displacement, or way of a placed body."""
         ways = state.displacements, state.placed.reference - self.begun.reference
-        return max(*(largest(vector) for vector in ways), 1e-300)
+        return max(*(max_magnitude(vector) for vector in ways), 1e-300)
 
     def along_motions(self, state: ContactIterate) -> Floats:
         """What is left of forces, loads and springs along the motions of handles, shape (n,)."""
@@ -285,7 +285,7 @@ class ContactProblem:
         slack = state.gaps + state.compliances * forces - standoffs(forces, lin.barriers)
         laws = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0)) / scale
         # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
-        most = max(largest(vector) for vector in (state.applied, self.parts.load))
+        most = max(max_magnitude(vector) for vector in (state.applied, self.parts.load))
         total = max(float(forces.sum()), most) or np.inf
         if state.slides is not None:
             slips = self.slips(state, state.slides) + state.let_back(state.tangential)

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from flangeway.contact.contact_state import ContactEquations, ContactIterate, ContactProblem, HeldMotions
 from flangeway.contact.system import changed_keys
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.solve.active_set import Answer, DenseEquations, Laws, Motions, solve, sparse_equations
 from flangeway.solve.body_response import Constrained
 from flangeway.solve.status import Iteration
@@ -305,13 +305,13 @@ def after(
         equations=step.equations,
     )
     new = problem.at(new, problem.constraints.linearise(new.positions, state.lin, settle=settle))
-    yielding = max(largest(vector) for vector in (displacements, new.compliances * new.forces))
+    yielding = max(max_magnitude(vector) for vector in (displacements, new.compliances * new.forces))
     if yielding <= EPS * float(np.abs(placed.reference).max()) and not problem.parts.forces(placed.motions).any():
         # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
         zeros = np.zeros_like(new.forces)
         new = new._replace(forces=zeros, tangential=zeros, applied=np.zeros_like(applied))
     residual = max(float(values.max(initial=0.0)) for values in problem.residuals(new))
-    change = largest(displacements - state.displacements) / problem.scale(new)
+    change = max_magnitude(displacements - state.displacements) / problem.scale(new)
     changed = changed_keys(state.lin, (state.forces, state.tangential), new.lin, (new.forces, new.tangential))
     iteration = Iteration(change, residual, int((new.forces > 0).sum()), changed, state.corrections)
     return new._replace(history=(*state.history, iteration))

@@ -45,7 +45,7 @@ from flangeway.contact.contact_step import ContactStep, after, step
 from flangeway.contact.search import MAX_ROTATION_STEP, on_path
 from flangeway.contact.system import ContactLinearisation, ContactSystem, Entry, carried_forces
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import largest, norms
+from flangeway.geometry.arrays import max_magnitude, norms
 from flangeway.solve.active_set import friction_state
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.handles import Handle, Handles
@@ -310,7 +310,7 @@ def _in_reach(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
     parts, reach, travel = problem.parts, problem.constraints.reach, 0.0
     if not parts.n:
         return state
-    scale = MAX_FORCE_ALONG_MOTION * largest(parts.load)
+    scale = MAX_FORCE_ALONG_MOTION * max_magnitude(parts.load)
     while travel <= MAX_TRAVEL * parts.size:
         alone, motions = parts.untouched(state.lin.nodes), state.placed.motions
         left = np.where(alone, parts.forces(motions), 0.0)
@@ -335,7 +335,7 @@ def _without_contact(problem: ContactProblem, state: ContactIterate, among: Bool
     left, motions = problem.along_motions(state), state.placed.motions
     velocities = problem.parts.velocities(motions, state.positions)
     held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(state.nodal))
-    limit = MAX_FORCE_ALONG_MOTION * largest(problem.parts.load)
+    limit = MAX_FORCE_ALONG_MOTION * max_magnitude(problem.parts.load)
     pushed = np.where(among & (np.abs(left) > limit) & (held < limit), left, 0.0)
     words = problem.parts.describe(motions, pushed[:, None] / np.abs(pushed).max()) if pushed.any() else []
     if not words:
@@ -418,7 +418,7 @@ def _converged(problem: ContactProblem, state: ContactIterate) -> tuple[Status, 
         matrix, rigid, active = state.held.tangent  # of the last step, which changes nothing any more
         unstable = rigid.unstable(matrix, active, kept)
         stable = False if unstable.size else None if free.size else True
-    size = largest(kept.T @ problem.along_motions(state))
+    size = max_magnitude(kept.T @ problem.along_motions(state))
     why = "nothing prevents"
     if size > MAX_UNBALANCED_FORCE * state.forces.sum():
         why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"

@@ -28,7 +28,8 @@ from flangeway.contact.search import leads_out, nearest_edges
 from flangeway.contact.surface import Surface, node_normals, pressing_cosines
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chords_of, cross_product, norms, point_text, turned_right, units_of
+from flangeway.geometry.arrays import chords_of, cross_product, norms, point_text, sums_at, turned_right, units_of
+from flangeway.mesh.connectivity import places_in
 from flangeway.mesh.insertion import opposite_places
 from flangeway.types import Bools, Floats, Ints
 
@@ -432,9 +433,8 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
     partner[onto.points[near]] = onto.nearest[near]
     start, end = partner[ends[0]].T
     keys, wanted = ends[1][:, 0] * len(points[1]) + ends[1][:, 1], end * len(points[1]) + start
-    order = np.argsort(keys)
-    edges = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
-    paired = (keys[edges] == wanted) & (start >= 0) & (end >= 0)
+    edges, met = places_in(keys, wanted)
+    paired = met & (start >= 0) & (end >= 0)
     missing = onto.points[~near]
     if not len(missing):
         missing = ends[0][(start >= 0) & (end >= 0) & ~paired, 0]
@@ -447,8 +447,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
         )
     nodes_of_edges, opposite_nodes = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
     width = nodes_of_edges.shape[1]
-    lengths = np.zeros(len(points[0]))
-    np.add.at(lengths, nodes_of_edges, secondary.edge_shares[paired])
+    lengths = sums_at(nodes_of_edges, secondary.edge_shares[paired], len(points[0]))
     nodes, first = np.unique(nodes_of_edges, return_index=True)
     at_edge, column = edges[paired][first // width], width - 1 - first % width
     shifted = [
@@ -463,9 +462,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
 
 def _normals(points: Floats, surface: Surface) -> Floats:
     """Normals at the nodes of a surface, at points (n, 2), out of its body: on a circle the circle's."""
-    pairs = np.stack((surface.edge_places[:, :-1].ravel(), surface.edge_places[:, 1:].ravel()))
-    chords = points[pairs[1]] - points[pairs[0]]
-    normals = np.zeros_like(points)
-    for ends in pairs:
-        np.add.at(normals, ends, turned_right(chords) / (chords**2).sum(axis=1)[:, None])
-    return units_of(normals)
+    ends = np.stack((surface.edge_places[:, :-1].ravel(), surface.edge_places[:, 1:].ravel()))
+    chords = points[ends[1]] - points[ends[0]]
+    of_edges = turned_right(chords) / (chords**2).sum(axis=1)[:, None]
+    return units_of(sums_at(ends, np.stack((of_edges, of_edges)), len(points)))

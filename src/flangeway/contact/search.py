@@ -151,8 +151,8 @@ def visits(points: Floats, edges: Floats, on_surface: Floats) -> Visits:
 
 
 def distances_from(points: Floats, edges: Floats) -> Floats:
-    """Distances of points (..., 2) from straight edges with ends (..., 2, 2)."""
-    start, chord = edges[..., 0, :], edges[..., 1, :] - edges[..., 0, :]
+    """Distances of points (..., 2) from straight edges with points (..., k, 2)."""
+    start, chord = edges[..., 0, :], edges[..., -1, :] - edges[..., 0, :]
     share = ((points - start) * chord).sum(axis=-1) / np.maximum((chord**2).sum(axis=-1), TINY)
     return norms(points - start - np.clip(share, 0.0, 1.0)[..., None] * chord)
 
@@ -309,11 +309,8 @@ def _crossed(ways: Floats, edges: Floats) -> tuple[NDArray[np.bool_], NDArray[np
 
     The third value is the distances of the ways' ends from these edges, (n,).
     """
-    starts, chords = edges[:, 0], chords_of(edges)
-    on_way, on_edge = crossing_shares(ways[:, 0], chords_of(ways), starts, chords)
+    steps, chords = chords_of(ways), chords_of(edges)
+    on_way, on_edge = crossing_shares(ways[:, 0], steps, edges[:, 0], chords)
     crossed = (on_way > 0.0) & (on_way < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0)
-    beyond = ways[:, 1] - starts
-    share = (beyond * chords).sum(axis=1) / (chords**2).sum(axis=1)
-    out = cross_product(chords, chords_of(ways)) < 0.0
-    apart = norms(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords)
-    return crossed & out, crossed & ~out, apart
+    out = cross_product(chords, steps) < 0.0
+    return crossed & out, crossed & ~out, distances_from(ways[:, 1], edges)

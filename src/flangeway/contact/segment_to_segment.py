@@ -30,7 +30,7 @@ from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chords_of, cross_product, norms, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, norms, sums_at, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 # --- Pieces of the secondary surface that face one primary edge, and the integrals of the gap over them.
@@ -370,17 +370,14 @@ class SegmentPairs(Pairs):
         """See `Pairs.slides`."""
         n_secondary = self.secondary_members.shape[1]
         values, rates, directions = self.integrals.slips(before[:, :n_secondary], before[:, n_secondary:])
-        slips = np.zeros(len(self.keys))
-        np.add.at(slips, self.rows, np.einsum("prs,ps->pr", self.weights, values))
+        slips = sums_at(self.rows, np.einsum("prs,ps->pr", self.weights, values), len(self.keys))
         turns = partial(self._on_terms, second=PieceIntegrals.turns)
         return Slides(slips, self._on_points(rates), self._on_points(directions), turns)
 
     def opposite_points(self, edges: Floats) -> Floats:
         """See `Pairs.opposite_points`."""
         moments = np.einsum("pra,pai->pri", self.integrals.primary_shapes, edges[self.pieces.partners])
-        total, covered = np.zeros((len(self.keys), 2)), np.zeros(len(self.keys))
-        np.add.at(total, self.rows, moments)
-        np.add.at(covered, self.rows, self.integrals.lengths)
+        total, covered = (sums_at(self.rows, of, len(self.keys)) for of in (moments, self.integrals.lengths))
         return total / covered[:, None]
 
 
@@ -418,9 +415,7 @@ class SegmentToSegment(Pairing):
     def node_areas(self, secondary: Surface) -> Floats:
         """See `Pairing.node_areas`."""
         hats = secondary.hats
-        areas = np.zeros(len(secondary.nodes))
-        np.add.at(areas, hats.nodes, hats.areas)
-        return areas
+        return sums_at(hats.nodes, hats.areas, len(secondary.nodes))
 
     def key_nodes(self, secondary: Surface) -> Ints:
         """See `Pairing.key_nodes`."""
@@ -453,8 +448,7 @@ class SegmentToSegment(Pairing):
         integrals = _integrals(pieces, edges, primary_edges, secondary)
 
         of_piece = hats.of_edge[pieces.edges]
-        covered = np.zeros(len(hats.nodes))
-        np.add.at(covered, of_piece, integrals.lengths)
+        covered = sums_at(of_piece, integrals.lengths, len(hats.nodes))
         thickness = secondary.part.body.depth
         keys = np.flatnonzero(covered * thickness > (SETTLED_COVERED if settle else MIN_COVERED) * hats.areas)
         if len(keys) == 0:  # at most slivers, which carry nothing
@@ -468,8 +462,7 @@ class SegmentToSegment(Pairing):
         inverse[keys] = 1.0 / covered[keys]
         weights = self._functions(pieces, integrals, secondary, edges, primary_edges) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
-        gaps = np.zeros(len(keys))
-        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals.gaps[0]))
+        gaps = sums_at(rows, np.einsum("prs,ps->pr", weights, integrals.gaps[0]), len(keys))
         return SegmentPairs(
             keys, np.full(len(keys), -1), hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
             secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, integrals, weights,
@@ -486,8 +479,7 @@ class SegmentToSegment(Pairing):
         functions = np.zeros((len(pieces), 2, 2))
         functions[:] = np.eye(2)
         if self.weighting == "dual":
-            covered = np.zeros(len(edges))
-            np.add.at(covered, pieces.edges, integrals.lengths.sum(axis=1))
+            covered = sums_at(pieces.edges, integrals.lengths.sum(axis=1), len(edges))
             flat = covered > (1.0 - MIN_COVERED) * secondary.edge_lengths
             along, opposite = (
                 chords_of(edge_points) for edge_points in (edges[pieces.edges], primary_edges[pieces.partners])

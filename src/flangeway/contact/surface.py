@@ -16,13 +16,15 @@ from flangeway.geometry import Contour
 from flangeway.geometry.arrays import (
     COLLINEAR,
     ROUGH_ANGLE,
+    chain_points,
     chord_depths,
     chords_of,
     cross_product,
     facet_depths,
-    largest,
+    max_magnitude,
     norms,
     point_text,
+    sums_at,
     turned_right,
 )
 from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
@@ -178,7 +180,7 @@ class Surface:
     @cached_property
     def nodes(self) -> NDArray[np.int32]:
         """Nodes of the surface along the chain, each once, shape (n_nodes,)."""
-        chain = np.concatenate((self.edge_nodes[:, :-1].ravel(), self.edge_nodes[-1:, -1]))
+        chain = chain_points(self.edge_nodes)
         closed = len(chain) > 1 and chain[0] == chain[-1]
         return chain[:-1] if closed else chain
 
@@ -286,7 +288,7 @@ class Surface:
     @property
     def curve_height(self) -> float:
         """Maximum height of the undeformed edges' inner points over the chords."""
-        return largest(heights_of(self.points[self.contact_places]))
+        return max_magnitude(heights_of(self.points[self.contact_places]))
 
     @cached_property
     def is_curved(self) -> Bools:
@@ -353,11 +355,9 @@ class Surface:
             first[0] = last[-1]
         nodes = np.empty(last.max() + 1, dtype=np.int64)
         nodes[first], nodes[last] = self.edge_places[:, 0], self.edge_places[:, -1]
-        areas = np.zeros(len(nodes))
         halves = self.edge_lengths[:, None] / 2.0 * self._radii_at(np.array([1.0, 2.0]) / 3.0) * self.part.body.depth
-        for column, half in zip((first, last), halves.T, strict=True):
-            np.add.at(areas, column, half)
-        return Hats(nodes, np.stack((first, last), axis=1), areas)
+        of_edge = np.stack((first, last), axis=1)
+        return Hats(nodes, of_edge, sums_at(of_edge.T, halves.T, len(nodes)))
 
     @cached_property
     def radii(self) -> Floats | None:
@@ -398,9 +398,7 @@ class Surface:
     @cached_property
     def tributary_areas(self) -> Floats:
         """Area of each node, by `edge_shares` times the thickness or around the axis, shape (n_nodes,)."""
-        total = np.zeros(len(self.nodes))
-        np.add.at(total, self.edge_places, self.edge_shares)
-        return total * self.part.body.depth
+        return sums_at(self.edge_places, self.edge_shares, len(self.nodes)) * self.part.body.depth
 
 
 def sagittas_of(

@@ -26,7 +26,8 @@ from flangeway.contact.search import visits
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import largest, norms
+from flangeway.geometry.arrays import chords_of, components_of, max_magnitude, norms, starts_of
+from flangeway.mesh.connectivity import places_in
 from flangeway.problems import Part
 from flangeway.solve import SurfaceNodes
 from flangeway.solve.active_set import LIMIT_MARGIN
@@ -323,20 +324,12 @@ def _no_slides(pairs: Pairs) -> Slides:
     return Slides(np.zeros(len(pairs.keys)), nothing, nothing, pairs.curvatures)
 
 
-def components_of(nodes: Ints) -> Ints:
-    """Numbers of the components of nodes (..., w), shape (..., w, 2)."""
-    return 2 * nodes[..., None] + np.arange(2)
-
-
 def carried_forces(before: ContactLinearisation | None, forces: Floats, after: ContactLinearisation) -> Floats:
     """Forces of the constraints in ``after`` that were in ``before``; zero for new ones."""
     result = np.zeros(len(after.keys))
     if before is None or len(before.keys) == 0:
         return result
-    order = np.argsort(before.keys)
-    rows = np.searchsorted(before.keys, after.keys, sorter=order)
-    rows = order[np.minimum(rows, len(order) - 1)]
-    known = before.keys[rows] == after.keys
+    rows, known = places_in(before.keys, after.keys)
     result[known] = forces[rows[known]]
     return result
 
@@ -458,13 +451,11 @@ class ContactSystem:
         self.parts = tuple(parts.values())
         self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
-        self._first_node = np.concatenate(([0], np.cumsum(counts)))
+        self._first_node = starts_of(counts)
         sides = [contact.sides for contact in self.contacts]
-        self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
+        self._first_key = starts_of([key_starts(*both)[-1] for both in sides])
         # edges of the primary side, then those of the secondary one
-        self._first_edge = np.concatenate(
-            ([0], np.cumsum([sum(len(surface.edges) for surface in both) for both in sides]))
-        )
+        self._first_edge = starts_of([sum(len(surface.edges) for surface in both) for both in sides])
         self._points, self._spread = self._middles()
 
     @property
@@ -544,7 +535,7 @@ class ContactSystem:
         - `before`, `after`: positions of the surface nodes, each (n_nodes, 2).
         - `lin`: linearisation of the contacts about those after the move.
         """
-        if largest(after - before) <= SMALL_MOVE * self.reach:
+        if max_magnitude(after - before) <= SMALL_MOVE * self.reach:
             return None
         points = np.stack((self._all_points(before), self._all_points(after)))
         all_entries: list[tuple[int, int, Ints, Floats]] = []
@@ -560,7 +551,7 @@ class ContactSystem:
                 pieces = np.stack((places[:, :-1].ravel(), places[:, 1:].ravel()), axis=1)
                 edges = at[other][:, pieces]
                 # short edges beside long ones turn about their nodes as these deform: their length says nothing
-                lengths = maximum_filter1d(norms(edges[0, :, 1] - edges[0, :, 0]), N_NEIGHBOURS)
+                lengths = maximum_filter1d(norms(chords_of(edges[0])), N_NEIGHBOURS)
                 depths = SHALLOW * lengths
                 entry = visits(at[side][:, :n], edges, depths)
                 shows = on_shown[entry.points] if side == 0 else shown[entry.edges // (places.shape[1] - 1)]

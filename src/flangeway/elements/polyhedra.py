@@ -10,7 +10,7 @@ from flangeway.elements.monomials import Frame
 from flangeway.elements.projection import CellGeometry
 from flangeway.elements.reconstruction import Reconstruction
 from flangeway.elements.virtual import Virtual
-from flangeway.geometry.arrays import norms, units_of
+from flangeway.geometry.arrays import norms, sums_at, units_of
 from flangeway.mesh.connectivity import row_numbers
 from flangeway.mesh.polyhedral_mesh import PolyhedralMesh
 from flangeway.types import Floats, Indices, Ints
@@ -162,8 +162,8 @@ class PolyhedralCells:
         unit = np.broadcast_to(np.eye(3)[:, :, None], factor.shape)
         frame = Frame((base + middle).T, batched.solve_lower(factor, unit))
         sides, corners = mesh.side_corners
-        normals = np.zeros((len(mesh.cell_points), 3))
-        np.add.at(normals, mesh.cell_corners[1], outward[sides] * faces.weights[corners, None])
+        on_corners = outward[sides] * faces.weights[corners, None]
+        normals = sums_at(mesh.cell_corners[1], on_corners, len(mesh.cell_points))
         return cls(mesh, frame, volumes, normals)
 
     def batch(self, cells: Indices, places: Ints, vertices: Floats) -> Polyhedra:

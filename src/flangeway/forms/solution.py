@@ -26,7 +26,7 @@ from flangeway.forms.weak import (
     stabilisation_matrix,
     unit_fields,
 )
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.mesh import PolyMesh
 from flangeway.post import ErrorNorms
 from flangeway.results import ResultTable
@@ -558,7 +558,7 @@ class _Problem:
 
     def check_tangent(self, u: Floats, matrix: sp.csr_array) -> None:
         """Raise `InputError` if the tangent's product with a direction is not the difference of integrals."""
-        size = largest(u) or 1.0
+        size = max_magnitude(u) or 1.0
         direction = np.random.default_rng(0).uniform(0.5, 1.0, u.shape) * size
         step = DIFFERENCE * direction
         difference = (self._integrals(u + step) - self._integrals(u - step)) / (2.0 * DIFFERENCE)

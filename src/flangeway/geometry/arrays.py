@@ -127,9 +127,42 @@ def units_of(vectors: Floats) -> Floats:
     return vectors / norms(vectors)[:, None]
 
 
-def largest(values: Floats) -> float:
+def max_magnitude(values: Floats) -> float:
     """Return the largest magnitude of numbers, 0 of none."""
     return float(np.abs(values).max(initial=0.0))
+
+
+def sums_at(places: NDArray[np.integer], values: Floats, n: int) -> Floats:
+    """Return the sums (n, ...) of values (*k, ...) that belong to places (*k,) from 0 to n - 1."""
+    sums = np.zeros((n, *values.shape[places.ndim :]))
+    np.add.at(sums, places, values)
+    return sums
+
+
+def starts_of(counts: Sequence[int] | Ints) -> Ints:
+    """Return where rows with counts of entries (n,) start among all entries, and the number of these, (n + 1,)."""
+    return np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+
+
+def components_of(nodes: Ints, dimension: int = 2) -> Ints:
+    """Return the numbers (..., d) of the components of nodes (...), d of each node after the other."""
+    return dimension * nodes[..., None] + np.arange(dimension)
+
+
+def chain_points(edges: NDArray[Any]) -> NDArray[Any]:
+    """Return the points along edges (n, k) that follow each other."""
+    return np.append(edges[:, :-1], edges[-1, -1])
+
+
+def longest_step(stations: Floats, low: float, high: float) -> float:
+    """Return the longest of the steps between stations (n,), rising, that are in part between two of their numbers."""
+    return float(np.diff(stations)[(stations[1:] > low) & (stations[:-1] < high)].max())
+
+
+def run_of(used: ArrayLike) -> slice:
+    """Return the run from the first to the last of those used, (n,)."""
+    at = np.flatnonzero(used)
+    return slice(int(at[0]), int(at[-1]) + 1)
 
 
 def joined_columns(rows: Iterable[Sequence[NDArray[Any]]]) -> tuple[NDArray[Any], ...]:
@@ -242,6 +275,6 @@ def root_parameters(
     for _ in range(MAX_NEWTON_STEPS):
         previous = parameters
         parameters = within(parameters - np.clip(change(parameters), -max_step, max_step))
-        if largest(parameters - previous) <= tolerance:
+        if max_magnitude(parameters - previous) <= tolerance:
             break
     return parameters

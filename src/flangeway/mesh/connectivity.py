@@ -58,11 +58,23 @@ def places_among(kept: Indices, n: int) -> Ints:
     return indices
 
 
+def connected(pairs: Indices, n: int) -> Ints:
+    """Return the group of each of n numbers that pairs (m, 2) connect, from 0, (n,)."""
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    return connected_components(links, directed=False)[1].astype(np.int64)
+
+
 def first_connected(pairs: Indices, n: int) -> Ints:
     """Return for each of n numbers the lowest one that pairs (m, 2) connect it with, or itself, (n,)."""
-    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
-    groups = connected_components(links, directed=False)[1]
+    groups = connected(pairs, n)
     return np.unique(groups, return_index=True)[1][groups]
+
+
+def places_in(keys: Ints, wanted: Ints) -> tuple[Ints, Bools]:
+    """Return the places of wanted numbers (n,) among different keys (m,), one or more, and which are there, (n,)."""
+    order = np.argsort(keys)
+    rows = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
+    return rows, keys[rows] == wanted
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +107,7 @@ def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
 def edge_places(edges: Indices, others: Indices, n_points: int) -> tuple[Ints, Bools]:
     """Places among other edges (m, 2) of edges (n, 2) in either direction, and whether each is there, both (n,)."""
     wanted, keys = (pairs.min(axis=1).astype(np.int64) * n_points + pairs.max(axis=1) for pairs in (edges, others))
-    order = np.argsort(keys)
-    rows = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(order) - 1)]
-    return rows, keys[rows] == wanted
+    return places_in(keys, wanted)
 
 
 def shortest_edges(points: Floats, edges: Indices) -> Floats:

@@ -13,7 +13,7 @@ from scipy.spatial import Voronoi, cKDTree
 
 from flangeway.checks import as_numbers, values_at
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, norms, point_text
+from flangeway.geometry.arrays import IntArray, norms, point_text, sums_at
 from flangeway.mesh.cell_mesh import CellMesh, frozen, index_array, known, row_starts
 from flangeway.mesh.connectivity import entries_of, first_connected, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
@@ -368,8 +368,7 @@ def check_polyhedra(mesh: PolyhedralMesh) -> None:
             "divide such faces into triangles: mesh.with_plane_faces()",
         )
     times = np.bincount(mesh.side_faces, minlength=mesh.n_faces)
-    both = np.zeros(mesh.n_faces)
-    np.add.at(both, mesh.side_faces, mesh.side_signs)
+    both = sums_at(mesh.side_faces, mesh.side_signs, mesh.n_faces)
     wrong = (times > 2) | ((times == 2) & (both != 0.0)) | (times == 0)
     if wrong.any():
         face = int(wrong.argmax())

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import values_at
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, as_points, chain_points, cross_product, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.mesh.cell_mesh import CellMesh, frozen, index_array, row_starts
 from flangeway.mesh.connectivity import (
@@ -386,9 +386,7 @@ class PolyMesh(CellMesh):
         InputError
             If a name is unknown or the edges are not one chain.
         """
-        pairs = self._joined_sets(names)
-        points = np.append(pairs[:, 0], pairs[-1:, 1])
-        return frozen(points)
+        return frozen(chain_points(self._joined_sets(names)))
 
     def _joined_sets(self, names: tuple[str, ...]) -> IntArray:
         pairs = self.edge_set(names)

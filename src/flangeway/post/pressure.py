@@ -9,7 +9,7 @@ from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, 
 from flangeway.contact.force_errors import contact_regions
 from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chain_lengths, largest, norms
+from flangeway.geometry.arrays import chain_lengths, max_magnitude, norms, sums_at
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.results import Result, ResultTable
 from flangeway.space.symmetric import EPS
@@ -422,9 +422,8 @@ def _directions(pairs: Constraints) -> Floats:
     """Resultant on the secondary side of a unit force of each constraint, shape (m, 2)."""
     of_parts = []
     for part in pairs.parts:
-        directions = np.zeros((len(part.keys), 2))
-        np.add.at(directions, part.rows, part.gradients[:, :, : part.secondary_members.shape[1]].sum(axis=2))
-        of_parts.append(directions)
+        of_terms = part.gradients[:, :, : part.secondary_members.shape[1]].sum(axis=2)
+        of_parts.append(sums_at(part.rows, of_terms, len(part.keys)))
     return np.concatenate(of_parts)
 
 
@@ -505,7 +504,7 @@ def check_contact(
     warnings: list[str] = []
     solved = system.solved(state.linearisation, state.forces)
     for number, ((contact, pairs, _, forces), name) in enumerate(zip(solved, names, strict=True)):
-        if forces.min(initial=0.0) < -MAX_PULL * largest(forces):
+        if forces.min(initial=0.0) < -MAX_PULL * max_magnitude(forces):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         own_patches = [patch for patch in patches if patch.contact == number]
         depth = float(-pairs.gaps[forces > 0.0].min(initial=0.0))

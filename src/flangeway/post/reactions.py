@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.geometry.arrays import cross_product, largest
+from flangeway.geometry.arrays import cross_product, max_magnitude
 from flangeway.problems import ElasticField, Spring, Support
 from flangeway.solve import ElasticitySolution
 from flangeway.solve.constraints import RANK
@@ -98,7 +98,7 @@ def relative_nodal_residual(field: ElasticField[Any], forces: Floats, held: Bool
     - `held`: which components of which nodes a support holds, shape (n_nodes, d).
     """
     internal, left = _internal_and_left(field, forces)
-    reference = max(largest(array) for array in (left, forces, internal))
+    reference = max(max_magnitude(array) for array in (left, forces, internal))
     for spring in field.problem.springs:
         at_nodes = field.displacements[: len(forces)].ravel()
         left[: len(forces)] += (field.problem.spring_stiffness(spring) @ at_nodes).reshape(forces.shape)

@@ -16,7 +16,18 @@ from flangeway.checks import as_numbers, check_angle, check_kind, check_positive
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import IntArray, chords_of, cross_product, largest, norms, point_text, units_of
+from flangeway.geometry.arrays import (
+    IntArray,
+    chain_points,
+    chords_of,
+    cross_product,
+    max_magnitude,
+    norms,
+    point_text,
+    sums_at,
+    turned_right,
+    units_of,
+)
 from flangeway.mesh.connectivity import NamedEdges, edge_places
 from flangeway.mesh.mesh_checks import meeting
 from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
@@ -627,7 +638,7 @@ class StiffnessBody(LinearBody):
         chain = chain if counts.min() == 1 else np.append(chain, chain[0])
         pairs = np.column_stack((chain[:-1], chain[1:]))
         edges = _directed(edges, pairs, edge_places(pairs, edges[:, [0, -1]], len(self.nodes))[0])
-        line = np.append(edges[:, :-1], edges[-1, -1])
+        line = chain_points(edges)
         return line[::-1] if self._side(edges) < 0.0 else line
 
     def _check_matrix(self) -> None:
@@ -639,8 +650,8 @@ class StiffnessBody(LinearBody):
                 f"{self._owner}: K[{row}, {matrix.indices[at]}] is {matrix.data[at]}", "finite numbers", "correct it"
             )
         apart = sp.coo_array(matrix - matrix.T)
-        most = largest(matrix.data)
-        if largest(apart.data) > MAX_ASYMMETRY * most:
+        most = max_magnitude(matrix.data)
+        if max_magnitude(apart.data) > MAX_ASYMMETRY * most:
             i, j = (int(indices[np.abs(apart.data).argmax()]) for indices in apart.coords)
             raise InputError(
                 f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
@@ -761,7 +772,7 @@ class StiffnessBody(LinearBody):
     def _check_coupled(self, name: str) -> None:
         """Refuse edges that no element has, whose ends K does not couple."""
         ends = self._chains[name][:, [0, -1]]
-        movable: Any = self.free[: 2 * len(self.nodes)].reshape(-1, 2).any(axis=1)
+        movable: Any = ~self.supported.all(axis=1)
         uncoupled: Any = movable[ends].all(axis=1) & ~self._couples(*ends.T)
         if uncoupled.any():
             raise self._skipped(name, ends[int(uncoupled.argmax())], "K does not couple them")
@@ -773,15 +784,13 @@ class StiffnessBody(LinearBody):
         tangents = np.einsum("qi,eic->qec", slopes, points)
         radii = np.einsum("qi,ei->qe", shapes, points[:, :, 0]) if self.axisymmetric else np.ones(tangents.shape[:2])
         along = np.einsum("q,qi,qe,qec->eic", weights, shapes, radii, tangents)
-        areas = np.zeros(self.nodes.shape)
-        np.add.at(areas, edges, np.stack((along[:, :, 1], -along[:, :, 0]), axis=2))
-        return areas
+        return sums_at(edges, turned_right(along), len(self.nodes))
 
     def _check_pressure(self, name: str) -> None:
         """Refuse edges on which K has not the forces of a uniform pressure, and edges that leave out a loaded node."""
         edges = self._chains[name]
         _, clear, forces = self._tested
-        areas, line = self._areas(edges), np.append(edges[:, :-1], edges[-1, -1])[1:-1]
+        areas, line = self._areas(edges), chain_points(edges)[1:-1]
         line = line[areas[line].any(axis=1)]  # without an edge along the axis of revolution
         normals = units_of(areas[line])
         pressures = (forces[line] * normals).sum(axis=1) / norms(areas[line])

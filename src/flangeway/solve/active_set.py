@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats, Ints
 
@@ -126,7 +126,7 @@ class Motions:
         Math. 2). ``diagonal`` are compliances (k,) of the constraints, and ``stiffness`` is a fraction of the maximum
         stiffness of one.
         """
-        yields = diagonal > ROUND_OFF * largest(diagonal)
+        yields = diagonal > ROUND_OFF * max_magnitude(diagonal)
         compliance = np.sum(self.by_motion[yields] ** 2, axis=1) / diagonal[yields]
         symmetric = (self.stiffness + self.stiffness.T) / 2.0
         unstable = max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
@@ -168,7 +168,7 @@ class Motions:
         """Motions out of an unstable equilibrium, apart from neutral ones (n, r): shape (n, n_unstable)."""
         rows = self.by_motion[active]
         stiffness = rows.T @ equations(matrix[np.ix_(active, active)], rows) - self.stiffness
-        limit = MIN_STIFFNESS * largest(stiffness)
+        limit = MIN_STIFFNESS * max_magnitude(stiffness)
         away = np.eye(len(stiffness)) - neutral @ neutral.T
         values, vectors = np.linalg.eigh(away @ stiffness @ away)
         return vectors[:, values < -limit]
@@ -190,7 +190,7 @@ class Laws:
     """
 
     def __init__(self, coefficients: Floats, barriers: Floats, compliances: Floats) -> None:
-        sizes, most = np.abs(compliances), largest(compliances)
+        sizes, most = np.abs(compliances), max_magnitude(compliances)
         # negative ones are of bodies that pressure makes unstable where surfaces are apart
         self.stiffness = np.where(sizes > 0.0, 1.0 / np.where(sizes > 0.0, sizes, 1.0), 1.0 / (most or 1.0))
         self.m, self.barriers = len(coefficients), barriers
@@ -273,10 +273,10 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
         if solution is None:
             return None
         following, projected = laws.guess(solution), laws.projected(solution)
-        error = largest(projected - solution.forces)
+        error = max_magnitude(projected - solution.forces)
         if following.same_as(guess, laws):
             return solution
-        if error <= ROUND_OFF * largest(solution.forces) and not laws.barred:
+        if error <= ROUND_OFF * max_magnitude(solution.forces) and not laws.barred:
             return solution._replace(forces=projected)
         before = answer or solution
         for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):

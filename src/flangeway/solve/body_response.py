@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import cross_product, starts_of
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
 from flangeway.problems.loads import AppliedLoad, GivenForces, Pressure, TemperatureChange
 from flangeway.problems.nonlinear_body import LinearisedBody
@@ -278,7 +278,7 @@ class BodyResponse(ABC):
     def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
         self.surfaces = tuple(surfaces)
         counts = [len(surface.nodes) for surface in self.surfaces]
-        self.offsets: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+        self.offsets: Ints = starts_of(counts)
         self.body_of_node: Ints = np.repeat(np.arange(len(counts)), counts)
         self.n_nodes = int(self.offsets[-1])
         self._loads: dict[int, tuple[BodyLoads, Floats, float]] = {}

@@ -12,9 +12,11 @@ from scipy.sparse.linalg import splu
 
 from flangeway._core import Cholesky
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import components_of, starts_of
+from flangeway.mesh.connectivity import connected
 from flangeway.problems import Body, LinearBody
 from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, turning
-from flangeway.solve.constraints import components, refuse_floating
+from flangeway.solve.constraints import refuse_floating
 from flangeway.solve.linear import (
     NO_UNKNOWNS,
     IndefiniteFactor,
@@ -187,10 +189,8 @@ class CondensedBodies(BodyResponse):
         blocks = self._blocks(touched)
         bent = np.flatnonzero(np.diff(geometric.indptr))
         owner = np.searchsorted([here.stop for here, _ in blocks], bent, side="right")
-        inner = sp.coo_array(geometric[bent][:, bent])
-        links = sp.coo_array((np.ones(inner.nnz), (owner[inner.row], owner[inner.col])), shape=(len(blocks),) * 2)
-        groups = sp.csgraph.connected_components(links, directed=False)[1]
-        inner = sp.csr_array(inner)
+        inner = sp.csr_array(geometric[bent][:, bent])
+        groups = connected(owner[np.stack(inner.tocoo().coords, axis=1)], len(blocks))
         bends = []
         for group in np.unique(groups[owner]):
             members = np.flatnonzero(groups[owner] == group)
@@ -231,7 +231,7 @@ class CondensedBodies(BodyResponse):
             self._asked, self._kept = touched, []
             for number, (first, last) in enumerate(pairwise(np.searchsorted(touched, self.offsets))):
                 if first < last:
-                    dofs = components(touched[first:last] - self.offsets[number])
+                    dofs = components_of(touched[first:last] - self.offsets[number]).ravel()
                     flexibility = self._condensed[number].flexibility[np.ix_(dofs, dofs)]
                     self._kept.append((slice(2 * first, 2 * last), flexibility))
         return self._kept
@@ -272,7 +272,7 @@ class SparseBodies(BodyResponse):
                 factorise(body, NO_UNKNOWNS)
         blocks = [surface.body.stiffness.full() for surface in self.surfaces]
         sizes = [block.shape[0] for block in blocks]
-        self._starts = np.concatenate(([0], np.cumsum(sizes)))
+        self._starts = starts_of(sizes)
         self._stiffness = sp.csr_array(sp.block_diag(blocks, format="csr"))
         unknowns = []
         for surface, start in zip(self.surfaces, self._starts[:-1], strict=True):
@@ -296,7 +296,7 @@ class SparseBodies(BodyResponse):
 
     def _spread(self, rotations: Floats, touched: Ints) -> sp.csr_array:
         """Displacements of the touched nodes in space by the free unknowns, shape (2 n_touched, n_unknowns)."""
-        return sp.csr_array(turning(rotations[touched]) @ self._chosen[components(touched)])
+        return sp.csr_array(turning(rotations[touched]) @ self._chosen[components_of(touched).ravel()])
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, joined_columns, point_text
+from flangeway.geometry.arrays import components_of, cross_product, joined_columns, point_text, sums_at
+from flangeway.mesh.connectivity import connected
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
 from flangeway.types import Bools, Floats, Ints
@@ -22,11 +23,6 @@ RANK = 1e-10
 """Eigenvalue of directions below which they are dependent."""
 AXIS = -1
 """Stands for the number of a support in constraints that keep nodes on the axis of revolution."""
-
-
-def components(nodes: Ints, dimension: int = 2) -> Ints:
-    """Numbers of the d components of nodes, one node after the other, shape (d n,)."""
-    return (dimension * nodes[:, None] + np.arange(dimension)).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +49,8 @@ class Rows:
         units (n, 3), and the sums, (g, 3, 3).
         """
         groups, group_rows = np.unique(self.groups, return_inverse=True)
-        scaled, sums = self.directions / scale, np.zeros((len(groups), 3, 3))
-        np.add.at(sums, group_rows, scaled[:, :, None] * scaled[:, None])
-        return groups, group_rows, scaled, sums
+        scaled = self.directions / scale
+        return groups, group_rows, scaled, sums_at(group_rows, scaled[:, :, None] * scaled[:, None], len(groups))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +118,7 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
     at_nodes = groups < space.n_nodes
     if d == 2:
         products[at_nodes, 2, 2] = 1.0  # a node does not turn
-    right = np.zeros((len(groups), 3))
-    np.add.at(right, group_rows, scaled * rows.values[:, None])
+    right = sums_at(group_rows, scaled * rows.values[:, None], len(groups))
     held, vectors, motions = _least_motions(products, right)
     _refuse_contradiction(problem, np.einsum("ni,ni->n", scaled, motions[group_rows]) - rows.values, rows, handles)
     nodes, motions, shift = groups[at_nodes], motions / scale, np.zeros((space.n_nodes, d))
@@ -150,11 +144,11 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
     turned = len(plain) + np.arange(len(oblique))
     entries = [
         (plain, np.arange(len(plain)), np.ones(len(plain))),
-        (components(nodes[oblique], d), np.repeat(turned, d), left[oblique, :, column].ravel()),
+        (components_of(nodes[oblique], d).ravel(), np.repeat(turned, d), left[oblique, :, column].ravel()),
     ]
     of_columns = [plain // d, nodes[oblique]]
     for number, (handle, basis) in enumerate(zip(handles, bases, strict=True)):
-        columns, at = sum(map(len, of_columns)) + np.arange(basis.shape[1]), components(handle.nodes)
+        columns, at = sum(map(len, of_columns)) + np.arange(basis.shape[1]), components_of(handle.nodes).ravel()
         entries.append((np.repeat(at, len(columns)), np.tile(columns, len(at)), (handle.arms @ basis).ravel()))
         of_columns.append(np.full(len(columns), space.n_nodes + number))
     at, columns, values = joined_columns(entries)
@@ -410,10 +404,8 @@ def _refuse_without_energy(body: LinearBody) -> None:
 def _pieces(problem: Elasticity[Any]) -> tuple[Ints, int]:
     """Number of each cell's piece, and how many there are."""
     mesh = problem.space.mesh
-    pairs = mesh.cell_neighbours
-    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_cells, mesh.n_cells))
-    n_pieces, labels = sp.csgraph.connected_components(graph, directed=False)
-    return labels.astype(np.int64), int(n_pieces)
+    labels = connected(mesh.cell_neighbours, mesh.n_cells)
+    return labels, int(labels.max()) + 1
 
 
 def _nodes_of_pieces(problem: Elasticity[Any], pieces: Ints) -> tuple[Ints, Ints]:

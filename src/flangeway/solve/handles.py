@@ -20,7 +20,7 @@ import numpy as np
 from flangeway.checks import are_finite, check_kind, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import norms, turned_right
+from flangeway.geometry.arrays import norms, starts_of, turned_right
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.constraints import described_motions
@@ -215,7 +215,7 @@ class Handles:
                     "hold both translations and the rotation in Body(held=...)",
                 )
         counts = [handle.n_motions for handle in self._handles]
-        self.starts: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+        self.starts: Ints = starts_of(counts)
         self.n = int(self.starts[-1])
         self._sizes = [self._size(members) for members in self._members]
         self._units = np.ones(self.n)

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError, SingularMatrixError
 from flangeway.checks import check_integer
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.problems import LinearBody
 from flangeway.solve.constraints import refuse_floating
 from flangeway.solve.status import Status
@@ -120,7 +120,7 @@ def solve_linear(
     if iteration > 1:  # what the iteration has carried along is not the residual of the values
         residual = rhs - product.times(values)
         change = max(change, relative_maximum(factor.solve(residual), values))
-    scale = largest(rhs) + np.abs(matrix.values).max() * largest(values)
+    scale = max_magnitude(rhs) + np.abs(matrix.values).max() * max_magnitude(values)
     ratio = float(np.abs(residual).max() / scale) if scale > 0.0 else 0.0
     digits = digits_left(factor, product, values, change)
     status = Status(ratio <= SMALL_RESIDUAL, f"the residual is {ratio:.1e} of the maximum force", 1)
@@ -552,7 +552,7 @@ def free_unknowns(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, .
 def _symmetric(matrix: sp.csr_array) -> bool:
     """Whether ``A x`` and ``A^T x`` differ by round-off alone for a random vector x, which is cheaper than ``A^T``."""
     x = np.random.default_rng(0).uniform(1.0, 2.0, matrix.shape[0])
-    magnitudes = np.maximum(abs(matrix) @ x, largest(matrix.data))
+    magnitudes = np.maximum(abs(matrix) @ x, max_magnitude(matrix.data))
     return bool((np.abs(matrix @ x - matrix.T @ x) <= ASYMMETRY * magnitudes).all())
 
 

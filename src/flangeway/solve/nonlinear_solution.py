@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from flangeway.checks import MIN_POSITIVE, as_numbers
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.problems import ElasticField, Elasticity
 from flangeway.problems.loads import GivenForces
 from flangeway.problems.nonlinear_body import (
@@ -141,7 +141,7 @@ def _solved(
         if step is not None:  # the supports hold from the first step on
             applied, _ = forces_on_handles(step.problem, step.constraints)
             free = step.constraints.transform.T @ unbalanced[:n_nodes].ravel() + applied, unbalanced[n_nodes:]
-            residuals.append(max(largest(part) for part in free) / size)
+            residuals.append(max(max_magnitude(part) for part in free) / size)
             # near nu = 1/2 round-off of the forces is above the tolerance, but the displacements have settled
             change = float(np.abs(step.displacements).max()) / reach
             if not min(residuals[-1], change) > settings.tolerance:

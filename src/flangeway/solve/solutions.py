@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import point_text
+from flangeway.mesh.connectivity import connected
 from flangeway.problems import ElasticField, Elasticity, PointForce, Pressure, Torsion, Traction
 from flangeway.problems.harmonic import Harmonic
 from flangeway.problems.loads import refuse_held
@@ -125,8 +126,7 @@ def _reduced(matrix: SymmetricMatrix, constraints: SupportConstraints) -> Symmet
     """Stiffness of the free unknowns."""
     if constraints.kept is not None:
         return matrix.restricted(constraints.kept)
-    transform = constraints.transform
-    return SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
+    return matrix.transformed(constraints.transform)
 
 
 def forces_on_handles(problem: Elasticity[Any], constraints: SupportConstraints) -> tuple[Floats, Floats]:
@@ -253,7 +253,7 @@ def solve_harmonic(problem: Harmonic, wavenumber: float) -> HarmonicSolution:
     if transform is None:
         reduced, rhs = matrix.restricted(free.ravel()), load[free]
     else:
-        reduced = SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
+        reduced = matrix.transformed(transform)
         rhs = transform.T @ load.ravel()
     try:
         values, status = solve_linear(reduced, (np.flatnonzero(free) // 3).astype(np.int32), rhs)
@@ -364,10 +364,7 @@ def _torsion_solved(matrix: SymmetricMatrix, rhs: Floats) -> tuple[Floats, Statu
 def _warping(problem: Torsion) -> tuple[Floats, Floats, Status]:
     """Hold one unknown of each connected part at zero, then shift each part to a zero mean."""
     stiffness, load, mesh = problem.stiffness(), problem.load_vector(), problem.space.mesh
-    edges = sp.coo_array(
-        (np.ones(mesh.n_edges), (mesh.edges[:, 0], mesh.edges[:, 1])), shape=(mesh.n_points, mesh.n_points)
-    )
-    labels = sp.csgraph.connected_components(edges, directed=False)[1]
+    labels = connected(mesh.edges, mesh.n_points)
     cell_parts = labels[mesh.cell_points[mesh.cell_offsets[:-1]]]
     used = np.unique(cell_parts)
     held = np.array([np.flatnonzero(labels == part)[0] for part in used])
@@ -422,7 +419,7 @@ def _prandtl(problem: Torsion) -> tuple[Floats, Floats, Status]:
     if n_holes:
         kept = np.flatnonzero(number >= 0)
         tie = sp.csr_array((np.ones(len(kept)), (kept, number[kept])), shape=(space.n_dofs, n_free + n_holes))
-        reduced = SymmetricMatrix.from_full(tie.T @ stiffness.full() @ tie)
+        reduced = stiffness.transformed(tie)
         rhs = tie.T @ load
         rhs[n_free:] += 2.0 * boundary.hole_areas
     else:

@@ -16,7 +16,7 @@ from flangeway._core import NotPositiveDefiniteError, n_threads
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.exact import half_space_blocks
-from flangeway.geometry.arrays import chain_lengths, middles_of
+from flangeway.geometry.arrays import chain_lengths, chain_points, components_of, longest_step, middles_of
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
@@ -202,8 +202,7 @@ class SurfaceCells:
     @cached_property
     def chain(self) -> Floats:
         """Corners of the mesh along the edges, shape (n_edges + 1, 2)."""
-        points = self.problem.elasticity.space.mesh.points
-        return np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]]))
+        return self.problem.elasticity.space.mesh.points[chain_points(self.edges)]
 
     @property
     def limits(self) -> Floats:
@@ -213,8 +212,7 @@ class SurfaceCells:
     @property
     def longest_edge(self) -> float:
         """Maximum length of the mesh's edges below the cells."""
-        below = (self._stations[1:] > self.limits[0]) & (self._stations[:-1] < self.limits[-1])
-        return float(np.diff(self._stations)[below].max())
+        return longest_step(self._stations, self.limits[0], self.limits[-1])
 
     @property
     def n_cells(self) -> int:
@@ -293,7 +291,7 @@ class SurfaceCells:
         space = self.problem.elasticity.space
         nodes, loads = self.nodes_and_loads
         depths = _depths(space, nodes)
-        unknowns = (3 * nodes[:, None] + np.arange(3)).ravel()
+        unknowns = components_of(nodes, 3).ravel()
         rows, columns = np.nonzero(loads)
         entries = loads[rows, columns], (columns, unknowns[rows])
         border = sp.csc_array(sp.coo_array(entries, shape=(loads.shape[1], 3 * space.n_dofs)))
@@ -656,7 +654,7 @@ class StripForces:
         on_cells[:, 2] = on_cells[:, 2, :, ::-1] * (-1.0, 1.0)
         nodes, loads = self.cells.nodes_and_loads
         on_nodes = np.einsum("ns,ski->nki", loads, on_cells.reshape(-1, len(wavenumbers), 2))
-        return (3 * nodes[:, None] + np.arange(3)).ravel(), on_nodes
+        return components_of(nodes, 3).ravel(), on_nodes
 
 
 FurtherLoads = tuple[Floats, Sequence[Callable[[int, Floats], Floats]]]

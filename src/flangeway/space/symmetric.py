@@ -97,6 +97,10 @@ class SymmetricMatrix:
         numbers = np.flatnonzero(kept)
         return SymmetricMatrix.of_lower(self.lower[:, numbers][numbers])
 
+    def transformed(self, transform: sp.csr_array) -> "SymmetricMatrix":
+        """Return ``T' K T`` for other unknowns (m,), whose columns of T (n, m) these are."""
+        return SymmetricMatrix.from_full(transform.T @ self.full() @ transform)
+
     def bordered(self, rows: sp.sparray) -> "SymmetricMatrix":
         """Take more rows (m, n) below, with their transpose and an explicit zero diagonal beside them."""
         m = rows.shape[0]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import middles_of
+from flangeway.geometry.arrays import middles_of, run_of
 from flangeway.materials import Elastic
 from flangeway.solve import Status, SurfaceCells, compliance_table
 from flangeway.solve.surface_compliance import half_spaces_on
@@ -100,8 +100,8 @@ class Convolution:
         at_once = forces.reshape(-1, forces.shape[-2] // len(by), len(by), forces.shape[-1])
         rows = slice(None)
         if len(by) == 1:  # rows without forces are left out
-            loaded = np.flatnonzero(at_once.any(axis=(0, 2, 3)))
-            rows = slice(int(loaded[0]), int(loaded[-1]) + 1) if len(loaded) else slice(0, 1)
+            loaded = at_once.any(axis=(0, 2, 3))
+            rows = run_of(loaded) if loaded.any() else slice(0, 1)
         k, n = at_once[:, rows].shape[:2]
         waves = np.empty((len(self._forward[0]), k, len(by), n))
         for component, odd in enumerate(by):

@@ -21,7 +21,7 @@ from flangeway.contact.patch.patch_grid import (
 )
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
-from flangeway.geometry.arrays import largest
+from flangeway.geometry.arrays import max_magnitude
 from flangeway.solve import ComplianceTable, Status, SurfaceCells, compliance_table
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Bools, Floats
@@ -303,7 +303,7 @@ class PatchContact:
     @property
     def closed_error(self) -> float:
         """Maximum gap under pressure over the approach."""
-        return largest(self.contact.gaps[self.loaded]) / max(self.approach, 1e-300)
+        return max_magnitude(self.contact.gaps[self.loaded]) / max(self.approach, 1e-300)
 
     @property
     def overlap(self) -> float:

@@ -10,7 +10,15 @@ from flangeway.contact.patch.normal_contact import Convolution, NormalContact, s
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus, half_space_influence
 from flangeway.geometry import Contour, Placement, Point, crossing_shares
-from flangeway.geometry.arrays import chain_lengths, middles_of, norms, turned_right, units_of
+from flangeway.geometry.arrays import (
+    chain_lengths,
+    chain_points,
+    longest_step,
+    middles_of,
+    norms,
+    turned_right,
+    units_of,
+)
 from flangeway.problems import Harmonic
 from flangeway.types import Bools, Floats, Ints
 
@@ -116,8 +124,7 @@ class PatchBody:
     @cached_property
     def chain(self) -> Floats:
         """Corners of the meshed surface in the common axes, body on the left, shape (n_edges + 1, 2)."""
-        points = self.problem.elasticity.space.mesh.points
-        chain = self.placement.points(np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]])))
+        chain = self.placement.points(self.problem.elasticity.space.mesh.points[chain_points(self.edges)])
         return chain[::-1] if self.placement.mirrored else chain
 
     @property
@@ -127,8 +134,7 @@ class PatchBody:
 
     def longest_edge(self, low: float, high: float) -> float:
         """Maximum length of the edges between two lengths along the chain."""
-        ends = chain_lengths(self.chain)
-        return float(np.diff(ends)[(ends[1:] > low) & (ends[:-1] < high)].max())
+        return longest_step(chain_lengths(self.chain), low, high)
 
     @cached_property
     def drawn(self) -> Floats:

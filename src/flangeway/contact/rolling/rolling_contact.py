@@ -19,6 +19,7 @@ from flangeway.contact.rolling.friction_solver import (
     tangential_convolution,
 )
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import run_of
 from flangeway.materials import Elastic
 from flangeway.solve import Status
 from flangeway.solve.surface_compliance import half_spaces_on
@@ -411,8 +412,7 @@ def _with_ends(forces: Floats) -> Floats:
 
 def box_of(cells: Bools) -> tuple[slice, slice]:
     """Rows and strips of the smallest box about cells, of truth values of shape (n_cells, n_strips)."""
-    rows, strips = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+    return run_of(cells.any(axis=1)), run_of(cells.any(axis=0))
 
 
 def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
