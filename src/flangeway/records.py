@@ -233,19 +233,6 @@ class Record(_Base):
         }
         return type(self).from_values({**self.written, **changes, **inner})
 
-    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str, within: str = "") -> None:
-        """Refuse inputs that another one leaves without effect, if they are not those by default.
-
-        - `within`: path of this table in the case, before the inputs' names.
-        """
-        for name in keys:
-            if getattr(self, name) != type(self).model_fields[name].default:
-                raise InputError(
-                    f"{within}{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
-                    f"{name} with {key} = {wanted}",
-                    f"leave {name} out, or give {key} = {wanted}",
-                )
-
     @classmethod
     def called(cls) -> str:
         """Return what messages call it."""

@@ -114,7 +114,9 @@ def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
     _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
     assert list(found.rows) == ["row", "status", "inclination", *columns, "message", "warnings"]
     with sqlite3.connect(tmp_path / "c.sqlite") as connection:
-        assert connection.execute("SELECT left_rail_position_x_mm FROM rows").fetchone()[0] is not None
+        assert json.loads(connection.execute("SELECT result FROM rows").fetchone()[0])["values"][
+            "left_rail_position_x_mm"
+        ]
 
 
 def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
@@ -317,7 +319,8 @@ def test_a_changed_patch_is_computed_anew(sweep, tmp_path: Path) -> None:
     """A number of a patch belongs to the checksum of its row."""
     computed(tmp_path, SWEEP.replace("n = 12", "n = 2"))
     before = results(tmp_path / "c.sqlite").patches
-    change(tmp_path / "c.sqlite", "UPDATE patches SET max_pressure_MPa = 1.0 WHERE \"row\" = 2 AND side = 'left'")
+    patch = "json_set(result, '$.patches[0].max_pressure_MPa', 1.0)"
+    change(tmp_path / "c.sqlite", f'UPDATE rows SET result = {patch} WHERE "row" = 2')
     with pytest.raises(InputError, match="row 2"):
         results(tmp_path / "c.sqlite")
     assert computed(tmp_path, SWEEP.replace("n = 12", "n = 2"))[1].patches == before

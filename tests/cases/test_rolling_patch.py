@@ -15,11 +15,12 @@ from flangeway.report.case_outputs import case_record, write_case
 from flangeway.report.page.record import print_record
 
 SMALL = {"cells_along": 14, "cells_across": 12, "curve": "none"}
+"""Inputs of radii and rolling."""
 PLANE = 210e3 / (1.0 - 0.3**2)
 
 
 def run(**inputs):
-    return load_case("rolling-patch", **{**SMALL, **inputs}).run()
+    return load_case("rolling-patch", **(inputs if "motion" in inputs else {**SMALL, **inputs})).run()
 
 
 def numbers(**inputs):
@@ -52,7 +53,8 @@ def test_given_forces_are_met_by_the_creepages_that_are_found():
 def test_a_shift_is_that_of_cattaneo_and_mindlin():
     """Spheres shifted by 0.875 of the limit stick within half of the radius; friction's work is positive."""
     found = numbers(
-        speed_km_h=0.0, radius_along_mm=300.0, longitudinal_force_kN=-0.875 * 24.0, cells_along=30, cells_across=30
+        motion={"kind": "shift", "longitudinal_force_kN": -0.875 * 24.0},
+        patch={"radius_along_mm": 300.0},
     )
     assert np.sqrt(1.0 - found.slipping_share) == pytest.approx(0.5, abs=0.02)
     assert found.longitudinal_creepage is None
@@ -121,7 +123,9 @@ def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
     before = run(**motion)
     write_case(before, tmp_path)
     lines = "\n".join(f"{key} = {value}" for key, value in motion.items())
-    text = f'case = "rolling-patch"\npressure_file = "cells.csv"\ncurve = "none"\n{lines}\n'
+    text = (
+        f'case = "rolling-patch"\npatch = {{ kind = "file", file = "cells.csv" }}\n[motion]\ncurve = "none"\n{lines}\n'
+    )
     (tmp_path / "patch.toml").write_text(text, encoding="utf-8")
     found = SimpleNamespace(**load_case(tmp_path / "patch.toml").run().summary)
     assert found.force_kN == pytest.approx(80.0, rel=1e-5)

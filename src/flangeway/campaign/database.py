@@ -3,9 +3,10 @@
 import csv
 import json
 import sqlite3
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
@@ -17,7 +18,6 @@ from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import hash_of
 from flangeway.cases.summary import RunResult, plain_numbers
 from flangeway.errors import InputError
-from flangeway.railway.track.placements import SIDES
 from flangeway.results import Result, ResultTable
 from flangeway.system.file_content import path_of
 from flangeway.system.operating_system import lock_file, optional_module
@@ -73,20 +73,20 @@ def as_cell(value: Any) -> Value:
 # --- The SQLite file of a campaign: its rows, their results and its progress; and both as tables, for other programs.
 
 
-FORMAT = "flangeway campaign 2"
+FORMAT = "flangeway campaign 3"
 WAITING = "waiting"
-OWN_COLUMNS = ("row", "identity", "status", "message", "warnings", "checksum")
-
-Columns = dict[str, list[Value]]
 FORMATS = ("csv", "parquet")
 
-_TABLES = """
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE rows ("row" INTEGER PRIMARY KEY, identity TEXT NOT NULL UNIQUE, status TEXT NOT NULL,
-                   message TEXT, warnings TEXT, checksum TEXT);
-CREATE TABLE patches ({patches}, PRIMARY KEY ("row", side, number));
-CREATE TABLE timings ("row" INTEGER PRIMARY KEY, seconds REAL NOT NULL, finished TEXT NOT NULL);
-"""
+Columns = dict[str, list[Value]]
+StoredRow = tuple[int, str, str, str, str | None, str | None]
+"""Number, identity, status, varied inputs and result in JSON, and checksum of a row."""
+
+_TABLES = (
+    "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
+    'CREATE TABLE rows ("row" INTEGER PRIMARY KEY, identity TEXT NOT NULL UNIQUE, status TEXT NOT NULL, '
+    "varied TEXT NOT NULL, result TEXT, checksum TEXT)",
+    'CREATE TABLE timings ("row" INTEGER PRIMARY KEY, seconds REAL NOT NULL, finished TEXT NOT NULL)',
+)
 
 
 class CampaignDatabase:
@@ -133,18 +133,18 @@ class CampaignDatabase:
 
         An `InputError` if the file is that of another campaign.
         """
-        stored = self._stored_identity()
+        stored = _facts(self._connection).get("identity")
         if stored is None:
             self._create(campaign)
         elif stored == campaign.identity:
             with self._transaction():
-                damaged = [(row,) for row in _checksums(self._connection, damaged=True)]
+                damaged = [(number,) for number in _damaged(_stored_rows(self._connection))]
                 self._connection.executemany("DELETE FROM rows WHERE row = ?", damaged)
                 self._insert_rows(campaign)
-                for table in ("patches", "timings"):  # what is left of rows that somebody has deleted, or damaged
-                    self._connection.execute(
-                        f'DELETE FROM {table} WHERE "row" IN (SELECT "row" FROM rows WHERE status = ?)', (WAITING,)
-                    )
+                # what is left of rows that somebody has deleted, or damaged
+                self._connection.execute(
+                    'DELETE FROM timings WHERE "row" IN (SELECT "row" FROM rows WHERE status = ?)', (WAITING,)
+                )
         else:
             raise InputError(
                 f"{self.path} with results of another campaign: {self._difference(campaign)}",
@@ -170,72 +170,50 @@ class CampaignDatabase:
             return self._store(row, result)
 
     def _store(self, row: Row, result: RowResult) -> bool:
-        values = {**result.values, **{key: as_cell(value) for key, value in row.varied.items()}}
-        known = self._columns()
-        for name in values:
-            if name.lower() not in known:
-                self._connection.execute(f"ALTER TABLE rows ADD COLUMN {quoted(name)}")
-        warnings = json.dumps(list(result.warnings), ensure_ascii=False)
-        cells = {"status": result.status, "message": result.message, "warnings": warnings, **values}
+        patches = [_cells(patch) for patch in result.patches]
+        parts = {"message": result.message, "warnings": result.warnings, "values": _cells(result.values)}
+        text = _json(parts | {"patches": patches})
+        checksum = hash_of((row.number, row.identity, result.status, _json(_cells(row.varied)), text))
         changed = self._connection.execute(
-            f"UPDATE rows SET {', '.join(f'{quoted(name)} = ?' for name in cells)} WHERE row = ? AND status = ?",
-            (*cells.values(), row.number, WAITING),
+            "UPDATE rows SET status = ?, result = ?, checksum = ? WHERE row = ? AND status = ?",
+            (result.status, text, checksum, row.number, WAITING),
         )
-        if changed.rowcount != 1:
-            return False
-        for patch in result.patches:
-            cells = {"row": row.number, **patch}
-            self._connection.execute(f"INSERT INTO patches {_of_columns(cells)}", tuple(cells.values()))
-        self._connection.execute(
-            "INSERT INTO timings VALUES (?, ?, strftime('%Y-%m-%dT%H:%M:%fZ'))", (row.number, result.seconds)
-        )
-        checksum = _checksums(self._connection, only=row.number)[row.number]
-        self._connection.execute("UPDATE rows SET checksum = ? WHERE row = ?", (checksum, row.number))
-        return True
+        if changed.rowcount == 1:
+            now = datetime.now(UTC).isoformat(timespec="milliseconds")
+            self._connection.execute("INSERT INTO timings VALUES (?, ?, ?)", (row.number, result.seconds, now))
+        return changed.rowcount == 1
 
     def _create(self, campaign: Campaign) -> None:
-        results, patches = campaign.known_columns, campaign.patch_columns
-        columns = [*campaign.keys, *(name for name in results if name not in campaign.keys)]
+        facts = {
+            "format": FORMAT,
+            "identity": campaign.identity,
+            "name": campaign.name,
+            "case": campaign.case.name,
+            "keys": campaign.keys,
+            "columns": campaign.columns,
+            "known_columns": campaign.known_columns,
+            "patch_columns": campaign.patch_columns,
+            "inputs": campaign.rows[0].content,
+            "versions": versions(),
+        }
         with self._transaction():
-            for statement in _TABLES.format(patches=", ".join(map(quoted, patches))).split(";")[:-1]:
+            for statement in _TABLES:
                 self._connection.execute(statement)
-            for name in columns:
-                self._connection.execute(f"ALTER TABLE rows ADD COLUMN {quoted(name)}")
-            facts = {
-                "format": FORMAT,
-                "identity": campaign.identity,
-                "name": campaign.name,
-                "case": campaign.case.name,
-                "keys": json.dumps(campaign.keys),
-                "columns": json.dumps(campaign.columns),
-                "inputs": json.dumps(campaign.rows[0].content, ensure_ascii=False),
-                "versions": json.dumps(versions()),
-            }
-            self._connection.executemany("INSERT INTO meta VALUES (?, ?)", facts.items())
+            rows = ((key, _json(value)) for key, value in facts.items())
+            self._connection.executemany("INSERT INTO meta VALUES (?, ?)", rows)
             self._insert_rows(campaign)
 
     def _insert_rows(self, campaign: Campaign) -> None:
         """Store the rows that are not there as waiting."""
-        names = ("row", "identity", "status", *campaign.keys)
         self._connection.executemany(
-            f"INSERT OR IGNORE INTO rows {_of_columns(names)}",
-            (
-                (row.number, row.identity, WAITING, *(as_cell(row.varied[key]) for key in campaign.keys))
-                for row in campaign.rows
-            ),
+            "INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, NULL, NULL)",
+            ((row.number, row.identity, WAITING, _json(_cells(row.varied))) for row in campaign.rows),
         )
-
-    def _stored_identity(self) -> str | None:
-        if not self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
-            return None
-        stored = self._connection.execute("SELECT value FROM meta WHERE key = 'identity'").fetchone()
-        return str(stored[0])
 
     def _difference(self, campaign: Campaign) -> str:
         stored = {identity for (identity,) in self._connection.execute("SELECT identity FROM rows")}
         wanted = {row.identity for row in campaign.rows}
-        before = self._connection.execute("SELECT value FROM meta WHERE key = 'versions'").fetchone()[0]
-        version = json.loads(before)["flangeway"]
+        version = _facts(self._connection)["versions"]["flangeway"]
         if version != versions()["flangeway"]:
             return f"it was begun with flangeway {version}, this is {versions()['flangeway']}"
         if stored == wanted:
@@ -243,9 +221,6 @@ class CampaignDatabase:
         return (
             f"{len(wanted - stored)} of {len(wanted)} rows are not in it, {len(stored - wanted)} of it are not wanted"
         )
-
-    def _columns(self) -> set[str]:
-        return {name.lower() for name in _names(self._connection, "rows")}
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -267,19 +242,31 @@ def _connected(path: Path) -> sqlite3.Connection:
     return connection
 
 
-def quoted(name: str) -> str:
-    """Name of a column in SQL."""
-    return '"' + name.replace('"', '""') + '"'
+def _json(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
-def _names(connection: sqlite3.Connection, table: str) -> list[str]:
-    """Names of the columns of a table."""
-    return [name for _, name, *_ in connection.execute(f"PRAGMA table_info({table})")]
+def _cells(values: Mapping[str, Any]) -> dict[str, Value]:
+    """Values as tables have them."""
+    return {name: as_cell(value) for name, value in values.items()}
 
 
-def _of_columns(names: Collection[str]) -> str:
-    """Columns and places of their values, as SQL has them behind the name of a table."""
-    return f"({', '.join(map(quoted, names))}) VALUES ({', '.join('?' * len(names))})"
+def _facts(connection: sqlite3.Connection) -> dict[str, Any]:
+    """What is stored of the campaign, by key; nothing in a database without tables."""
+    if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'meta'").fetchone():
+        return {}
+    return {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM meta")}
+
+
+def _stored_rows(connection: sqlite3.Connection) -> list[StoredRow]:
+    return connection.execute('SELECT * FROM rows ORDER BY "row"').fetchall()
+
+
+def _damaged(rows: Iterable[StoredRow]) -> list[int]:
+    """Numbers of the rows with a result that is not the one which was stored."""
+    return [
+        number for number, *cells, checksum in rows if cells[1] != WAITING and checksum != hash_of((number, *cells))
+    ]
 
 
 def unusable(path: Path, reason: Exception) -> InputError:
@@ -293,13 +280,14 @@ def unusable(path: Path, reason: Exception) -> InputError:
 
 def refuse_other_file(connection: sqlite3.Connection, path: Path) -> None:
     """Refuse a database that is not of a campaign, or of another format; one without tables is none yet."""
-    tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-    if not tables:
+    if not connection.execute("SELECT 1 FROM sqlite_master WHERE type = 'table'").fetchone():
         return
-    stored = connection.execute("SELECT value FROM meta WHERE key = 'format'").fetchone() if "meta" in tables else None
-    if stored is None or stored[0] != FORMAT:
-        what = "no campaign" if stored is None else repr(stored[0])
-        raise InputError(f"database {path}, which contains {what}", repr(FORMAT), "choose another folder with --out")
+    try:
+        stored = _facts(connection).get("format", "no campaign")
+    except ValueError:
+        stored = "another format"
+    if stored != FORMAT:
+        raise InputError(f"database {path}, which contains {stored}", FORMAT, "choose another folder with --out")
 
 
 def refuse_unusable(path: Path) -> None:
@@ -410,64 +398,37 @@ def results(database: str | Path) -> CampaignTable:
     try:
         with closing(_connected(path)) as connection:
             refuse_other_file(connection, path)
-            facts = dict(connection.execute("SELECT key, value FROM meta"))
-            keys = tuple(json.loads(facts["keys"]))
-            inputs = json.loads(facts["inputs"])
-            wanted = _wanted(_names(connection, "rows"), keys, json.loads(facts["columns"]))
-            rows = _columns(connection, "rows", wanted, '"row"')
-            patches = _columns(connection, "patches", _names(connection, "patches"), '"row", side, number')
-            damaged = _checksums(connection, damaged=True)
-    except (sqlite3.Error, KeyError, ValueError) as reason:
+            facts, rows = _facts(connection), _stored_rows(connection)
+    except (sqlite3.Error, ValueError) as reason:
         raise unusable(path, reason) from reason
-    if damaged:
+    if damaged := _damaged(rows):
         raise InputError(
             f"database {path}: the numbers of row {', '.join(map(str, damaged))} are not those that were stored",
             "the file as a campaign wrote it",
             "run the campaign again: it computes these rows anew",
         )
-    return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches)
+    return _table(facts, rows)
 
 
-def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list[str]:
-    """Columns in an order that does not depend on the order in which rows were done."""
-    own_names = [name for name in OWN_COLUMNS if name not in ("identity", "checksum")]
-    others = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
-    if f"{SIDES[0]}_n_patches" not in names:  # those of wheelsets are in their order already
-        others.sort()
-    return [*own_names[:2], *keys, *(columns or others), *own_names[2:]]
-
-
-def _checksums(connection: sqlite3.Connection, *, damaged: bool = False, only: int | None = None) -> dict[int, str]:
-    """Checksums of rows with a result and their patches, by their numbers.
-
-    - `damaged`: whether those that have the stored checksum are left out.
-    - `only`: number of the one row that is looked at.
-    """
-    where = "" if only is None else f' WHERE "row" = {only:d}'
-    patches: dict[Any, list[Any]] = {}
-    for patch in _contents(connection, f"SELECT * FROM patches{where} ORDER BY side, number"):
-        patches.setdefault(patch["row"], []).append(patch)
-    checksums = {}
-    for row in _contents(connection, f"SELECT * FROM rows{where}"):
-        stored, number = row.pop("checksum", None), int(row["row"] or 0)
-        checksum = hash_of(repr([row, patches.get(number)]))
-        if row["status"] != WAITING and not (damaged and checksum == stored):
-            checksums[number] = checksum
-    return checksums
-
-
-def _contents(connection: sqlite3.Connection, query: str) -> Iterator[dict[str, Value]]:
-    """Cells of rows by their columns, without those that are empty: other rows may add columns."""
-    cursor = connection.execute(query)
-    names = sorted((name, at) for at, (name, *_) in enumerate(cursor.description))
-    for cells in cursor:
-        yield {name: cells[at] for name, at in names if cells[at] is not None}
-
-
-def _columns(connection: sqlite3.Connection, table: str, names: list[str], order: str) -> Columns:
-    chosen = ", ".join(quoted(name) for name in names)
-    rows = connection.execute(f"SELECT {chosen} FROM {table} ORDER BY {order}").fetchall()
-    return {name: [row[column] for row in rows] for column, name in enumerate(names)}
+def _table(facts: Mapping[str, Any], rows: Sequence[StoredRow]) -> CampaignTable:
+    """Both tables, their columns in an order that does not depend on the order in which rows were done."""
+    keys, lines, patches = tuple(facts["keys"]), list[dict[str, Any]](), list[dict[str, Any]]()
+    for number, _, status, varied, text, _ in rows:
+        result = {"message": None, "warnings": None, "values": {}, "patches": []} if text is None else json.loads(text)
+        result["warnings"] = text and _json(result["warnings"])
+        lines.append(result.pop("values") | result | {"row": number, "status": status} | json.loads(varied))
+        patches += sorted(
+            ({"row": number} | patch for patch in result["patches"]), key=lambda patch: (patch["side"], patch["number"])
+        )
+    own = ("row", "status", "message", "warnings")
+    names = facts["columns"] or facts["known_columns"]
+    names = names or sorted({name for line in lines for name in line} - {*own, *keys, "patches"})
+    names = [*own[:2], *keys, *(name for name in names if name not in keys), *own[2:]]
+    both = [
+        {name: [line.get(name) for line in of_table] for name in columns}
+        for columns, of_table in ((names, lines), (facts["patch_columns"], patches))
+    ]
+    return CampaignTable(facts["name"], facts["case"], keys, facts["inputs"], *both)
 
 
 def export_writers(table: CampaignTable, kind: str, units: Units = "metric") -> dict[str, Writer]:

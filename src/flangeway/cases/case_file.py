@@ -64,7 +64,7 @@ CASE_FILES = {file.stem: file for file in sorted((Path(__file__).parent / "files
 FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
 
-FILE_KEYS = ("rail", "wheel", "section", "file", "pressure_file")
+FILE_KEYS = ("rail", "wheel", "section", "file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
 OPTION_OF_ENDING = {
     **dict.fromkeys((".ban", ".prr", ".rail", ".slcs"), "--rail"),

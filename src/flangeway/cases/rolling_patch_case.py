@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.patch_quantities import (
@@ -31,13 +31,13 @@ from flangeway.contact.rolling.creep_state import CreepState
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import FAST, WITH_TRACTIONS, Theory
-from flangeway.contact.rolling.friction import Friction, FrictionInputs
+from flangeway.contact.rolling.friction import Friction, FrictionCoefficient, FrictionInputs, Heating, SlopeReduction
 from flangeway.contact.rolling.rolling_contact import Creepages, CreepForces, Rolling, RollingContact
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.quantities import Quantities, Quantity, values
-from flangeway.records import NotNegative, Positive
+from flangeway.records import TAG, NotNegative, Positive, Record, refused_by_check
 from flangeway.solve import Status
 from flangeway.system.file_content import number_table
 from flangeway.types import Floats, Ints, Progress
@@ -100,9 +100,6 @@ def _uneven(path: Path, name: str, different: Floats) -> InputError:
 
 COMPONENTS = {"longitudinal": "along", "lateral": "across", "spin": "spin"}
 """Components of creepages by the names of creep curves."""
-CREEPAGE_KEYS = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m")
-SHIFTS = ("shift_ahead_mm", "shift_right_mm", "shift_rotation_mrad")
-FORCE_KEYS = ("longitudinal_force_kN", "lateral_force_kN")
 MARGIN = 1
 """Cells beyond the ellipse on each side, where pressures are found by contact."""
 
@@ -194,56 +191,33 @@ ENERGY_ERROR: Quantity[RollingPatchRun] = Quantity(
 STATE: tuple[Creep, ...] = (THEORY, *CREEPAGES, *SHIFT, *FORCES, TRACTION, *T_GAMMAS, POWER, *FIELDS)
 
 
-class RollingPatchCase(FrictionInputs, RunnableCase):
-    """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
+class TangentialForces(Record):
+    """Tangential forces on the upper body, in the place of the motions that are then found."""
 
-    name = "rolling-patch"
-    title = "One contact patch that rolls with friction"
-    essential = (
-        *("force_kN", "radius_along_mm", "radius_across_mm"),
-        *(*CREEPAGE_KEYS, "speed_km_h", "friction"),
-    )
+    longitudinal_force_kN: float | None = None
+    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
+    lateral_force_kN: float | None = None
+    """the same to the right"""
 
-    force_kN: Positive = 80.0
-    """normal force"""
-    radius_along_mm: Positive = 460.0
-    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
-    radius_across_mm: Positive = 300.0
-    """relative radius of curvature across"""
-    semi_axis_along_mm: Positive | None = None
-    """semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"""
-    semi_axis_across_mm: Positive | None = None
-    """its semi-axis across"""
-    pressure_file: str | None = None
-    """CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"""
-    young_MPa: Positive = 210e3
-    """Young's modulus"""
-    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
-    """Poisson's ratio"""
-    upper_young_MPa: Positive | None = None
-    """Young's modulus of the upper body (default: young_MPa)"""
-    upper_poisson: float | None = Field(default=None, ge=0.0, lt=0.5)
-    """Poisson's ratio of the upper body (default: poisson)"""
+    @property
+    def forces(self) -> list[float | None]:
+        """Both in N."""
+        return [None if force is None else 1e3 * force for force in (self.longitudinal_force_kN, self.lateral_force_kN)]
+
+
+class RollingOver(FrictionInputs, TangentialForces):
+    """The upper body rolls over the lower one."""
+
+    kind: Literal["rolling"] = "rolling"
+    """rolling"""
+    speed_km_h: float = 72.0
+    """speed of rolling ahead, negative: backwards"""
     longitudinal_creepage: float = 0.001
     """slip of the upper body on the lower one ahead, divided by the speed"""
     lateral_creepage: float = 0.0
     """slip to the right, divided by the speed"""
     spin_creepage_per_m: float = 0.0
     """rotation of the upper body, counter-clockwise from above, divided by the speed"""
-    speed_km_h: float = 72.0
-    """speed of rolling ahead, negative: backwards, 0: the upper body is shifted and does not roll"""
-    longitudinal_force_kN: float | None = None
-    """tangential force on the upper body ahead, instead of the creepage or shift, which is found"""
-    lateral_force_kN: float | None = None
-    """the same to the right"""
-    shift_ahead_mm: float = 0.0
-    """shift of the upper body ahead, with speed_km_h = 0"""
-    shift_right_mm: float = 0.0
-    """shift to the right"""
-    shift_rotation_mrad: float = 0.0
-    """rotation, counter-clockwise from above"""
-    friction: NotNegative = 0.3
-    """coefficient of friction, 0: without friction"""
     theory: Theory = "exact"
     """exact theory, fastsim, fastrip, polach or linear theory"""
     curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
@@ -252,43 +226,155 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     """its end relative to the creepage at which linear theory reaches the limit of friction"""
     curve_points: int = Field(default=25, ge=3, le=1000)
     """number of its points"""
-    cells_along: int = Field(default=30, ge=4, le=120)
+
+    exclusive = (("longitudinal_creepage", "longitudinal_force_kN"), ("lateral_creepage", "lateral_force_kN"))
+
+    @model_validator(mode="after")
+    def _goes_together(self) -> "RollingOver":
+        if self.speed_km_h == 0.0:
+            raise refused_by_check("speed_km_h = 0", "a speed other than 0", 'give kind = "shift" without rolling')
+        if self.theory != "exact" and self.forces != [None, None]:
+            raise refused_by_check(f"forces with theory = {self.theory}", "theory = exact", "give creepages")
+        return self
+
+    @property
+    def creepages(self) -> Creepages:
+        """Creepages with spin in 1/mm and the speed in m/s."""
+        spin = 1e-3 * self.spin_creepage_per_m
+        return Creepages(self.longitudinal_creepage, self.lateral_creepage, spin, self.speed_km_h / 3.6)
+
+    @property
+    def words(self) -> str:
+        """How it moves."""
+        return f"at {self.speed_km_h:g} km/h"
+
+
+class Shift(TangentialForces):
+    """The upper body is shifted and does not roll."""
+
+    kind: Literal["shift"] = "shift"
+    """a shift without rolling"""
+    shift_ahead_mm: float = 0.0
+    """shift of the upper body ahead"""
+    shift_right_mm: float = 0.0
+    """shift to the right"""
+    shift_rotation_mrad: float = 0.0
+    """rotation, counter-clockwise from above"""
+    kinetic: FrictionCoefficient | None = None
+    """coefficient of friction as soon as surfaces slip (default: friction)"""
+    slope: SlopeReduction = SlopeReduction()
+    """reduction of the initial slope of creep forces by layers on the surfaces"""
+
+    exclusive = (("shift_ahead_mm", "longitudinal_force_kN"), ("shift_right_mm", "lateral_force_kN"))
+    theory: ClassVar[Theory] = "exact"
+    curve: ClassVar[str] = "none"
+    words: ClassVar[str] = "shifted"
+
+    @property
+    def creepages(self) -> Creepages:
+        """The shift, with the rotation in rad, without a speed."""
+        return Creepages(self.shift_ahead_mm, self.shift_right_mm, 1e-3 * self.shift_rotation_mrad, 0.0)
+
+    def law(self, static: float) -> Friction:
+        """See `FrictionInputs.law`."""
+        return Friction(static, self.kinetic, heating=Heating(), slope=self.slope)
+
+
+class PressedBodies(Record):
+    """Two bodies that a force presses together, on cells."""
+
+    force_kN: Positive = 80.0
+    """normal force"""
+    cells_along: int = Field(default=30, ge=4, le=MAX_CELLS)
     """number of cells along the patch"""
-    cells_across: int = Field(default=30, ge=4, le=120)
+    cells_across: int = Field(default=30, ge=4, le=MAX_CELLS)
     """number of cells across"""
 
-    exclusive = (
-        ("radius_along_mm", "semi_axis_along_mm", "pressure_file"),
-        ("radius_across_mm", "semi_axis_across_mm", "pressure_file"),
-        *(("force_kN", "pressure_file"), ("cells_along", "pressure_file"), ("cells_across", "pressure_file")),
-        ("longitudinal_creepage", "shift_ahead_mm", "longitudinal_force_kN"),
-        ("lateral_creepage", "shift_right_mm", "lateral_force_kN"),
+
+class RadiiPatch(PressedBodies):
+    """A patch by the curvatures of the gap."""
+
+    kind: Literal["radii"] = "radii"
+    """contact by the radii"""
+    radius_along_mm: Positive = 460.0
+    """relative radius of curvature ahead, 1 / (1 / R_upper + 1 / R_lower)"""
+    radius_across_mm: Positive = 300.0
+    """relative radius of curvature across"""
+    upper_young_MPa: Positive | None = None
+    """Young's modulus of the upper body (default: young_MPa)"""
+    upper_poisson: float | None = Field(default=None, ge=0.0, lt=0.5)
+    """Poisson's ratio of the upper body (default: poisson)"""
+
+    def contact(self, friction: Friction, steel: Elastic) -> RollingContact:
+        """Return the patch, with the material of the lower body."""
+        young, poisson = self.upper_young_MPa or steel.young, self.upper_poisson
+        materials = steel, Elastic(young, steel.poisson if poisson is None else poisson)
+        modulus = contact_modulus(*(material.plane_modulus for material in materials))
+        force, cells = 1e3 * self.force_kN, (self.cells_across, self.cells_along)
+        hertz = PointContact(force, self.radius_across_mm, self.radius_along_mm, modulus)
+        n_rows, n_strips = (n + 2 * MARGIN for n in cells)
+        half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
+        grid = PatchGrid(half * np.linspace(-1.0, 1.0, n_rows + 1), strip, n_strips)
+        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
+        gaps = across[:, None] ** 2 / (2.0 * self.radius_across_mm) + grid.along**2 / (2.0 * self.radius_along_mm)
+        return RollingContact.of_half_spaces(grid, gaps, friction, materials, force=force)
+
+
+class EllipsePatch(PressedBodies):
+    """An ellipse under Hertz's pressure."""
+
+    kind: Literal["ellipse"] = "ellipse"
+    """Hertz's pressure on an ellipse"""
+    semi_axis_along_mm: Positive
+    """semi-axis ahead"""
+    semi_axis_across_mm: Positive
+    """semi-axis across"""
+
+    def contact(self, friction: Friction, steel: Elastic) -> RollingContact:
+        """See `RadiiPatch.contact`."""
+        axes, cells = (self.semi_axis_across_mm, self.semi_axis_along_mm), (self.cells_across, self.cells_along)
+        return RollingContact.under_hertz(axes, 1e3 * self.force_kN, cells, friction, (steel, steel))
+
+
+class PressureFile(Record):
+    """Pressures of a file."""
+
+    kind: Literal["file"] = "file"
+    """pressures of a file"""
+    file: str
+    """CSV file of pressures: right_mm, ahead_mm, pressure_MPa of cells"""
+
+    def contact(self, friction: Friction, steel: Elastic) -> RollingContact:
+        """See `RadiiPatch.contact`."""
+        grid, pressures = read_pressures(Path(self.file))
+        return RollingContact.between_half_spaces(grid, pressures, friction, (steel, steel))
+
+
+class RollingPatchCase(RunnableCase):
+    """Two half-spaces pressed together by a force that roll over each other; all results are those on the upper one."""
+
+    name = "rolling-patch"
+    title = "One contact patch that rolls with friction"
+    essential = (
+        *("patch.force_kN", "patch.radius_along_mm", "patch.radius_across_mm", "motion.longitudinal_creepage"),
+        *("motion.lateral_creepage", "motion.spin_creepage_per_m", "motion.speed_km_h", "friction"),
     )
-    needs = (("semi_axis_along_mm", "semi_axis_across_mm"), ("semi_axis_across_mm", "semi_axis_along_mm"))
+
+    patch: RadiiPatch | EllipsePatch | PressureFile = Field(RadiiPatch(), discriminator=TAG)
+    """pressures of the patch"""
+    young_MPa: Positive = 210e3
+    """Young's modulus"""
+    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    motion: RollingOver | Shift = Field(RollingOver(), discriminator=TAG)
+    """how the upper body moves on the lower one"""
+    friction: NotNegative = 0.3
+    """coefficient of friction, 0: without friction"""
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
-        if self.pressure_file is not None:
-            read_pressures(Path(self.pressure_file))
-        prescribed = "pressure_file" if self.pressure_file is not None else "semi_axis_along_mm"
-        if getattr(self, prescribed) is not None and self._materials[0] != self._materials[1]:
-            raise InputError(
-                f"upper_young_MPa or upper_poisson with {prescribed}",
-                "one material under prescribed pressures: between different ones friction changes the pressures",
-                "give radius_along_mm and radius_across_mm",
-            )
-        if self.rolls:
-            self.refuse_without_effect(SHIFTS, "speed_km_h", "0")
-        else:
-            self.refuse_without_effect((*CREEPAGE_KEYS, "theory", "heat"), "speed_km_h", "a speed other than 0")
-            if self.falling is not None and (self.falling.decay_m_per_s or self.falling.between_C is not None):
-                raise InputError(
-                    "falling with speed_km_h = 0", "falling.kinetic alone: a shift has no speed", "leave the others out"
-                )
-        if self.theory != "exact":
-            self.refuse_without_effect(FORCE_KEYS, "theory", "exact")
-        if not self.friction:
-            self.refuse_without_effect([*FORCE_KEYS, "falling", "slope"], "friction", "a coefficient above 0")
+        if isinstance(self.patch, PressureFile):
+            read_pressures(Path(self.patch.file))
         _ = self._friction
 
     def run(self, progress: Progress = lambda _: None) -> RollingPatchRun:
@@ -298,10 +384,11 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         contact = self.contact()
         pressed = time.perf_counter()
         progress("rolling")
-        along, across = (None if force is None else 1e3 * force for force in self._forces)
-        exact = roll(contact, self.motion, force_along=along, force_across=across)
-        forces = exact if self.theory == "exact" else FAST[self.theory](contact, self.motion)
-        states = [exact, *(theory(contact, exact.motion) for theory in self._theories.values())] if self.rolls else []
+        along, across = self.motion.forces
+        creepages, theory = self.creepages, self.motion.theory
+        exact = roll(contact, creepages, force_along=along, force_across=across)
+        forces = exact if theory == "exact" else FAST[theory](contact, creepages)
+        states = [exact, *(fast(contact, exact.motion) for fast in self._theories.values())] if self.rolls else []
         rolled = time.perf_counter()
         curve, notices = self._curve(contact, exact.motion, progress)
         total = time.perf_counter()
@@ -313,46 +400,24 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
     @property
     def rolls(self) -> bool:
         """Whether the bodies roll; otherwise the upper one is shifted."""
-        return self.speed_km_h != 0.0
-
-    @property
-    def has_curve(self) -> bool:
-        """Whether a run has a creep curve: a shift, and contact without friction, have none."""
-        return self.curve != "none" and self.rolls and self.friction > 0.0
+        return self.motion.kind == "rolling"
 
     def contact(self) -> RollingContact:
         """Return the patch: pressures of the file, Hertz's on the ellipse, or those of contact by the radii."""
-        if self.pressure_file is not None:
-            grid, pressures = read_pressures(Path(self.pressure_file))
-            return RollingContact.between_half_spaces(grid, pressures, self._friction, self._materials)
-        force, cells = 1e3 * self.force_kN, (self.cells_across, self.cells_along)
-        if self.semi_axis_along_mm is not None and self.semi_axis_across_mm is not None:
-            axes = self.semi_axis_across_mm, self.semi_axis_along_mm
-            return RollingContact.under_hertz(axes, force, cells, self._friction, self._materials)
-        modulus = contact_modulus(*(material.plane_modulus for material in self._materials))
-        hertz = PointContact(force, self.radius_across_mm, self.radius_along_mm, modulus)
-        n_rows, n_strips = (n + 2 * MARGIN for n in cells)
-        half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
-        grid = PatchGrid(half * np.linspace(-1.0, 1.0, n_rows + 1), strip, n_strips)
-        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
-        gaps = across[:, None] ** 2 / (2.0 * self.radius_across_mm) + grid.along**2 / (2.0 * self.radius_along_mm)
-        return RollingContact.of_half_spaces(grid, gaps, self._friction, self._materials, force=force)
+        return self.patch.contact(self._friction, Elastic(self.young_MPa, self.poisson))
 
     @property
-    def motion(self) -> Creepages:
+    def creepages(self) -> Creepages:
         """Creepages with spin in 1/mm and the speed in m/s, or the shift; 0 where a force is given."""
-        motion = [getattr(self, key) for key in (CREEPAGE_KEYS if self.rolls else SHIFTS)]
-        for number, force in enumerate(self._forces):
-            motion[number] = 0.0 if force is not None else motion[number]
-        return Creepages(motion[0], motion[1], 1e-3 * motion[2], self.speed_km_h / 3.6)
-
-    @property
-    def _forces(self) -> tuple[float | None, float | None]:
-        return self.longitudinal_force_kN, self.lateral_force_kN
+        motion, (along, across) = self.motion.creepages, self.motion.forces
+        ahead, right = (
+            0.0 if force is not None else way for way, force in ((motion.along, along), (motion.across, across))
+        )
+        return replace(motion, along=ahead, across=right)
 
     @cached_property
     def _friction(self) -> Friction:
-        return self.law(self.friction)
+        return self.motion.law(self.friction)
 
     @property
     def _theories(self) -> dict[Theory, Callable[[RollingContact, Creepages], CreepForces]]:
@@ -360,24 +425,18 @@ class RollingPatchCase(FrictionInputs, RunnableCase):
         warm = self._friction.by_temperature
         return {name: theory for name, theory in FAST.items() if name in WITH_TRACTIONS or not warm}
 
-    @property
-    def _materials(self) -> tuple[Elastic, Elastic]:
-        young = self.young_MPa if self.upper_young_MPa is None else self.upper_young_MPa
-        poisson = self.poisson if self.upper_poisson is None else self.upper_poisson
-        return Elastic(self.young_MPa, self.poisson), Elastic(young, poisson)
-
     def _curve(
         self, contact: RollingContact, motion: Creepages, progress: Progress
     ) -> tuple[dict[Theory, list[CreepState]], Iterable[str]]:
         """Points of the creep curve by theories, and what is to be said about it."""
-        if not self.has_curve:
+        if not isinstance(self.motion, RollingOver) or self.motion.curve == "none" or not self.friction:
             return {}, ()
         progress("creep curve")
-        ellipse, name = EllipticContact.of(contact, motion), COMPONENTS[self.curve]
+        ellipse, name = EllipticContact.of(contact, motion), COMPONENTS[self.motion.curve]
         c, size = ellipse.coefficients, float(np.sqrt(ellipse.along * ellipse.across))
         rate = {"along": c.c11, "across": c.c22, "spin": c.c23 * size}[name]
-        end = self.curve_end * ellipse.friction * ellipse.force / (ellipse.unit * rate)
-        points: Floats = np.linspace(0.0, end, self.curve_points)
+        end = self.motion.curve_end * ellipse.friction * ellipse.force / (ellipse.unit * rate)
+        points: Floats = np.linspace(0.0, end, self.motion.curve_points)
         motions = [replace(motion, **{name: point}) for point in points.tolist()]
         exact = creep_curve(contact, motions)
         states: dict[Theory, Sequence[CreepForces]] = {"exact": exact}

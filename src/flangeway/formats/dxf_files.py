@@ -36,7 +36,8 @@ from flangeway.geometry.outline import JOINT_TOLERANCE, Outline
 from flangeway.geometry.segments import Segment
 from flangeway.types import Floats
 
-UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
+MILLIMETRES = 4
+UNITS = {1: "in", 2: "ft", MILLIMETRES: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
 MAX_OBJECTS = 20_000  # in blocks, as often as these are inserted
 MAX_DEPTH = 20  # blocks inside of each other
 CURVE_TOLERANCE = 1e-5

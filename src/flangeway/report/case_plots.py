@@ -1,46 +1,42 @@
 """The picture of each kind of result, see `flangeway.report.plot_result`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from flangeway.campaign import CampaignTable
-from flangeway.cases import BodiesRun, WheelsetRun
 from flangeway.cases.profile_run import ProfileRun
 from flangeway.cases.rigid_run import ConicityRun, GeometryRun
-from flangeway.cases.rolling_patch_case import RollingPatchRun
-from flangeway.cases.section_run import SectionRun
-from flangeway.cases.spatial_case import SpatialRun
+from flangeway.cases.summary import RunResult
 from flangeway.errors import InputError
-from flangeway.report.bodies_figures import stress_figure
 from flangeway.report.campaign_figures import campaign_figures
+from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.profile_outputs import shape_figure
 from flangeway.report.rigid_outputs import conicity_figure, locus_figure
-from flangeway.report.rolling_patch_figures import main_figure
-from flangeway.report.section_figures import warping_figure
-from flangeway.report.spatial_figures import patch_figure
-from flangeway.report.wheelset.wheelset_figures import section_figure
 from flangeway.results import Result
 
 __all__ = ["plot_result"]
 
 
+def _first_picture(run: RunResult) -> Figure:
+    """Draw the first picture of the report of a run."""
+    return _first([picture.draw for picture in case_record(run).pictures()], run.case.name)
+
+
 def _first_of_campaign(table: CampaignTable) -> Figure:
-    for draw in campaign_figures(table).values():
-        return draw()
-    raise InputError(
-        f"a picture of the campaign {table.name}", "one of wheelsets in which a number varies", "draw its table"
-    )
+    return _first([*campaign_figures(table).values()], f"the campaign {table.name}")
+
+
+def _first(draws: Sequence[Callable[[], Figure]], name: str) -> Figure:
+    if not draws:
+        raise InputError(f"a picture of {name}", "inputs that vary, or results that have one", "draw its table")
+    return draws[0]()
 
 
 PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
-    WheelsetRun: section_figure,
-    BodiesRun: stress_figure,
-    SpatialRun: patch_figure,
-    RollingPatchRun: main_figure,
-    SectionRun: warping_figure,
+    RunResult: _first_picture,
     GeometryRun: locus_figure,
     ConicityRun: conicity_figure,
     ProfileRun: shape_figure,

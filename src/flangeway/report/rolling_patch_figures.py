@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from flangeway.cases.patch_quantities import CREEPAGES, FORCES, SPIN_MOMENT
 from flangeway.cases.rolling_patch_case import COMPONENTS, RollingPatchRun
 from flangeway.contact.rolling.fast_theories import TITLES, Theory
-from flangeway.errors import InputError
 from flangeway.quantities import numbers
 from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.record import Figures, Picture
@@ -61,15 +60,6 @@ def _figures(run: RollingPatchRun) -> Figures:
     return figures
 
 
-def main_figure(run: RollingPatchRun) -> Figure:
-    """Draw the first picture that there is; an `InputError` if there is none."""
-    for draw in _figures(run).values():
-        return draw()
-    raise InputError(
-        f"a picture of {run.state.theory} without a creep curve", "a theory with tractions, or a curve", "choose one"
-    )
-
-
 def section_figure(run: RollingPatchRun) -> Figure:
     """Draw tractions and their limit through the middle of the patch, along and across."""
     assert run.state.cells is not None
@@ -96,8 +86,8 @@ def section_figure(run: RollingPatchRun) -> Figure:
 
 def creep_curve_figure(run: RollingPatchRun) -> Figure:
     """Draw forces and spin moment over the creepage of the curve by all theories."""
-    spin = run.case.curve == "spin"
-    creepage = CREEPAGE_OF[run.case.curve]
+    spin = run.case.motion.curve == "spin"
+    creepage = CREEPAGE_OF[run.case.motion.curve]
     scale = np.array([1.0 if spin else 100.0, 1.0])
     limit = run.contact.friction.limits[0][0] * run.contact.force / 1e3
     least = {"kN": ROUND_OFF * limit, "Nm": ROUND_OFF * limit * run.semi_axes[0]}

@@ -46,7 +46,6 @@ DIGITS = 6
 def rolling_patch_record(run: RollingPatchRun) -> Report:
     """Return what a run of one patch found."""
     case, state, units = run.case, run.state, run.case.units
-    moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
     across, along = (part.stop - part.start for part in run.contact.box)
     results = rows_of(PATCH, run, units)
     results += rows_of(present(STATE[1:], state), state, units)
@@ -55,7 +54,8 @@ def rolling_patch_record(run: RollingPatchRun) -> Report:
         "The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all cells in "
         f"`{CELLS}` and, for ParaView, in `{PATCH_FILE}`"
         + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
-        subtitle=f"{state.theory}, {across} by {along} cells, {moves}, coefficient of friction {case.friction:g}",
+        subtitle=f"{state.theory}, {across} by {along} cells, {case.motion.words}, "
+        f"coefficient of friction {case.friction:g}",
         facts=[
             *(fact(quantity, state, units) for quantity in (LONGITUDINAL_FORCE, LATERAL_FORCE, TRACTION)),
             fact(MAX_PRESSURE, run, units),

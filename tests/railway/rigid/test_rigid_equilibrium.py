@@ -225,3 +225,11 @@ def test_where_a_rigid_flange_climbs_the_start_is_before_it() -> None:
     assert 6.5 < right.lateral_mm < 7.0
     assert right.vertical_mm < 0.5
     assert (-left.lateral_mm, left.vertical_mm, -left.roll_rad) == pytest.approx(right.components, abs=1e-8)
+
+
+def test_surfaces_do_not_meet_far_beside_the_track() -> None:
+    """Where rigid wheels touch both rails, and some millimetres beyond, surfaces may meet; at 90 mm they do not."""
+    start = rigid_start(load_case("wheelset", lateral_mm=90.0))
+    reached = start.geometry.limits(90.0)[1]
+    positions = {0.0: True, reached: True, -reached - 5.0: True, 90.0: False, -90.0: False}
+    assert {lateral: start.can_reach(lateral) for lateral in positions} == positions

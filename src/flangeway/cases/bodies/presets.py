@@ -149,6 +149,9 @@ class HertzCase(PresetCase, BodiesCase):
     n_steps: int = Field(default=1, ge=1, le=1000)
     """number of equal load steps"""
 
+    exclusive = (("indentation_mm", "force_N"),)
+    needs = (("halved_edges", "fine_arc_deg"),)
+
     def theory_of(self, run: BodiesRun) -> LineContact | None:
         """See `BodiesCase.theory_of`."""
         assert run.contact is not None
@@ -201,11 +204,7 @@ class HertzCase(PresetCase, BodiesCase):
 
     def _refuse_unfit(self) -> None:
         """Refuse a contact too wide for the bodies, or too narrow for the elements' size."""
-        if self.force_N is not None and "indentation_mm" in self.model_fields_set:
-            raise InputError("force_N and indentation_mm", "one of both", "leave one out")
         radius, below = self.radius_mm, self.lower_radius_mm
-        if self.fine_arc_deg is None and self.halved_edges:
-            raise InputError("halved_edges without fine_arc_deg", "both", "give the angle of the fine arc")
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
         zone, size = self._zone(), min(self.size_mm, self._of("lower", "size_mm"))

@@ -1,6 +1,6 @@
 """Gauge measures of running surfaces, and from the axes of a file to this package's."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -344,6 +344,14 @@ class Orientation:
         """Return points (n, 2) of the file in mm and this package's axes, in the file's order."""
         placed: FloatArray = points * self._signs + self.shift_mm
         return placed
+
+    def in_order(self, points: FloatArray) -> FloatArray:
+        """Return points (n, 2) of the file in this package's axes, with the steel at the left."""
+        return np.ascontiguousarray(self.applied(points)[:: -1 if self.reversed_order else 1])
+
+    def by(self, **how: str) -> "Orientation":
+        """Return it with other sources of some of its parts, see `how`."""
+        return replace(self, how=self.how | how)
 
     def undone(self, points: FloatArray) -> FloatArray:
         """Return points (n, 2) in this package's axes as the file has them, in its unit."""

@@ -431,57 +431,78 @@ def _profile(
     raw: RawProfile, format_: str, options: ReadOptions, stem: str, first: RawProfile | None = None
 ) -> MeasuredProfile:
     """Return the profile; of slices all are placed as the first one."""
-    unit = agreed_unit(raw, options.unit)
-    more: list[str] = []
-    scale, file_points = UNITS_MM[unit], raw.points
+    scale = UNITS_MM[agreed_unit(raw, options.unit)]
+    rounding = rounding_um(raw.points, scale)
+    raw, repairs = _repaired(raw, options, scale)
+    taken, assumed, mirrored = _oriented(raw, options, first)
+    if raw.contour is not None:
+        surface, smoothing, smoothed_away = _placed(raw.contour, taken), None, list[str]()
+        points = surface.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM)
+        format_ = format_ if format_ == "DXF" else "CSV of lines and arcs"
+    else:
+        points = taken.in_order(raw.points)
+        smoothing = smoothed(points, options.smooth_mm, options.limit_um, "measured", rounding)
+        surface, smoothed_away = smoothing.curve, _of_smoothing(smoothing, options, len(points))
+    taken, contradictions = _checked_against_shape(taken, surface)
+    title, placing = one_line(raw.title) or stem, None
+    if first is not None:
+        title = stem
+        if taken.kind == "rail":
+            ordered = taken.in_order(first.points)
+            placing = smoothed(ordered, options.smooth_mm, options.limit_um, "measured").curve
+    notices = (*assumed, *repairs, *mirrored, *smoothed_away, *contradictions)
+    return MeasuredProfile(title, format_, taken, points, surface, smoothing, notices, placing)
+
+
+def _repaired(raw: RawProfile, options: ReadOptions, scale: float) -> tuple[RawProfile, list[str]]:
+    """Return the profile with the points that can be used, see `checked_points`, and notices; lines and arcs as is.
+
+    - `scale`: length of the file's unit in mm.
+    """
     sure = (raw.unit is not None and raw.unit_is_sure) or options.unit is not None
     if raw.contour is not None:
         refuse_length(raw.points * scale, sure)
-    else:
-        points, lines, more = checked_points(raw.points * scale, raw.lines, unit_is_sure=sure)
-        raw = replace(raw, points=points / scale, lines=lines)
-    rounding = rounding_um(file_points, scale)
-    taken, notices = orientation(first or raw, options)
-    # crossings, and what was drawn, may be unlike on both sides
-    if taken.kind == "rail" and options.mirror is None and not raw.mirrored and first is None and raw.contour is None:
-        why = left_hand(taken.applied(raw.points))
-        if why is not None:
-            taken, notices = orientation(raw, replace(options, mirror=True))
-            taken = replace(taken, how={**taken.how, "side": "from the worn side"})
-            more.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
+        return raw, []
+    points, lines, notices = checked_points(raw.points * scale, raw.lines, unit_is_sure=sure)
+    return replace(raw, points=points / scale, lines=lines), notices
+
+
+def _oriented(
+    raw: RawProfile, options: ReadOptions, first: RawProfile | None
+) -> tuple[Orientation, list[str], list[str]]:
+    """Return the interpretation of a file, notices of what was assumed, and a notice if it was mirrored.
+
+    Measured heads that are those of a left-hand rail are mirrored; crossings, and what was drawn, may be unlike on both
+    sides.
+    """
+    taken, assumed = orientation(first or raw, options)
+    mirrored = list[str]()
+    measured = first is None and raw.contour is None and not raw.mirrored
+    if taken.kind == "rail" and measured and options.mirror is None and (why := left_hand(taken.applied(raw.points))):
+        taken, assumed = orientation(raw, replace(options, mirror=True))
+        taken = taken.by(side="from the worn side")
+        mirrored.append(f"{MIRRORED}: read as a right-hand one, {why}. --no-mirror keeps it as it is.")
     if options.mirror is False:
-        taken = replace(taken, how={**taken.how, "side": "given"})
+        taken = taken.by(side="given")
     if taken.mirrored and taken.how["side"] == "from the flange":
-        more.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
-    title = (one_line(raw.title) or stem) if first is None else stem
-    points = taken.applied(raw.points)
-    if raw.contour is not None:
-        surface = _placed(raw.contour, taken)
-        points = surface.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM)
-        format_ = format_ if format_ == "DXF" else "CSV of lines and arcs"
-        taken, seen = _checked_against_shape(taken, surface)
-        return MeasuredProfile(title, format_, taken, points, surface, None, tuple(notices + more + seen))
-    if taken.reversed_order:
-        points = points[::-1]
-    points = np.ascontiguousarray(points)
-    smoothing = smoothed(points, options.smooth_mm, options.limit_um, "measured", rounding)
+        mirrored.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
+    return taken, assumed, mirrored
+
+
+def _of_smoothing(smoothing: Smoothing, options: ReadOptions, n_points: int) -> list[str]:
+    """Return notices of strong noise, and of points that were held to the limit."""
+    notices = list[str]()
     if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
-        more.append(
+        notices.append(
             f"The noise is {smoothing.noise_um:.0f} micrometres; waves shorter than "
             f"{smoothing.wavelength_mm:g} mm are smoothed away so that curvatures can be trusted."
         )
-    if smoothing.n_held > _MAX_HELD * len(points):
-        more.append(
-            f"{smoothing.n_held} of {len(points)} points were held to the limit: the waves that they show are smoothed "
+    if smoothing.n_held > _MAX_HELD * n_points:
+        notices.append(
+            f"{smoothing.n_held} of {n_points} points were held to the limit: the waves that they show are smoothed "
             "with a larger --smooth and --limit."
         )
-    taken, seen = _checked_against_shape(taken, smoothing.curve)
-    placing = None
-    if first is not None and taken.kind == "rail":
-        ordered = taken.applied(first.points)[:: -1 if taken.reversed_order else 1]
-        placing = smoothed(np.ascontiguousarray(ordered), options.smooth_mm, options.limit_um, "measured").curve
-    every = tuple(notices + more + seen)
-    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, every, placing)
+    return notices
 
 
 def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orientation, list[str]]:
@@ -501,7 +522,7 @@ def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orient
             )
         ]
     if seen is not None:
-        return replace(taken, tape_mm=seen, how={**taken.how, "tape line": "from the flange's back"}), []
+        return replace(taken.by(**{"tape line": "from the flange's back"}), tape_mm=seen), []
     return replace(taken, tape_mm=TAPE_MM), [
         (
             f"The flange's back is not measured: it is taken {TAPE_MM:g} mm from the tape line; --tape gives "

@@ -388,6 +388,9 @@ END_MM = 2.0  # points nearer to the end of a running surface are where it ends,
 CLIMBING_RAD = math.radians(45.0)
 """Contact angle above which a rigid flange climbs; elastic rails deflect there, and no flange rises."""
 
+MAX_DEFLECTION_MM = 20.0
+"""Lateral displacement beyond that of rigid wheels that touch both rails, at which elastic ones surely do not."""
+
 SCAN_MM = 0.1
 """Distance of the positions in which the contact angle is checked, up to a prescribed lateral displacement."""
 
@@ -411,6 +414,11 @@ class RigidStart:
     geometry: RigidGeometry
     motion: WheelsetPosition
     equilibrium: RigidEquilibrium | None
+
+    def can_reach(self, lateral_mm: float) -> bool:
+        """Whether surfaces may meet at a lateral displacement, see `MAX_DEFLECTION_MM`."""
+        low, high = self.geometry.limits(abs(lateral_mm))
+        return low - MAX_DEFLECTION_MM <= lateral_mm <= high + MAX_DEFLECTION_MM
 
     @property
     def relative_curvature_per_mm(self) -> float:

@@ -243,14 +243,15 @@ class SpatialWheelset:
         return float(geometry.located(geometry.touching(np.zeros(1), at_axle=True)).vertical_mm[0])
 
     def _is_off(self, newton: WheelsetNewton, begun: WheelsetPosition) -> bool:
-        """Whether the wheelset has left the track, turns without end, or climbs on the way to a lateral position."""
+        """Whether the wheelset has left the track, turns without end, or cannot come to its lateral position."""
         position = newton.position
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
         lateral, *others = self.problem.position.components
         climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hanging > MAX_HANGING)
         turns = abs(newton.yaw - self.problem.position.yaw_rad) > MAX_TURN_RAD
-        return turns or bool((ways > MAX_WAY).any()) or (lateral is not None and climbs)
+        stops = lateral is not None and (climbs or not self.start.can_reach(lateral))
+        return turns or bool((ways > MAX_WAY).any()) or stops
 
     def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""

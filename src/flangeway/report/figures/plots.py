@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from flangeway.contact import ContactSolution
-from flangeway.errors import InputError, short
+from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh
@@ -21,6 +21,7 @@ from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.quantities import measured
 from flangeway.railway.wheelset.plane_wheelset import WheelsetResult
+from flangeway.records import require_known
 from flangeway.report.figures.display import (
     Display,
     display,
@@ -301,8 +302,7 @@ def plot_displacement(
         As in `plot_function`.
 
     """
-    if component not in get_args(Component):
-        raise InputError(f"component = {short(component)}", ", ".join(get_args(Component)), "choose one of them")
+    require_known("component", component, get_args(Component))
     body, axes = _deformed(solution, axes, factor, unit)
     moved = body.shown.function(solution.displacements)
     values = norms(moved) if component == "magnitude" else moved[:, "xy".index(component)]
@@ -333,8 +333,7 @@ def plot_stress(
         As in `plot_displacement`; limits help where stresses are singular at a corner.
 
     """
-    if quantity not in get_args(Quantity):
-        raise InputError(f"quantity = {short(quantity)}", ", ".join(get_args(Quantity)), "choose one of them")
+    require_known("quantity", quantity, get_args(Quantity))
     body, axes = _deformed(solution, axes, factor, length_unit)
     return _drawn(body, stress_quantity(body.stresses, quantity), with_unit(_stress_name(quantity), unit), axes, limits)
 

@@ -254,7 +254,6 @@ _N_SAMPLES = 800
 GAP_MM = 0.01  # maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded
 _ROUNDING = 1e-3  # of that, below which nothing is stated
 _MAX_COORDINATE = 1e9  # centres of flat arcs lie far away
-_DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
 
 
 def is_segment_csv(text: str) -> bool:
@@ -392,7 +391,7 @@ def write_dxf_profile(contour: Contour) -> str:
     import ezdxf.document  # noqa: PLC0415  (slow to import, and few programs write drawings)
 
     drawing: Any = ezdxf.document.Drawing.new("R2010")
-    drawing.header["$INSUNITS"] = _DXF_UNITS["mm"]
+    drawing.header["$INSUNITS"] = dxf_files.MILLIMETRES
     rows = [(*segment.start, _bulge(segment)) for segment in contour.segments]
     closed = isinstance(contour, Outline)
     if not closed:
