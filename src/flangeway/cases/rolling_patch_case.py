@@ -249,7 +249,7 @@ class RollingOver(FrictionInputs, TangentialForces):
         return f"at {self.speed_km_h:g} km/h"
 
 
-class Shift(TangentialForces):
+class ShiftedOver(TangentialForces):
     """The upper body is shifted and does not roll."""
 
     kind: Literal["shift"] = "shift"
@@ -366,7 +366,7 @@ class RollingPatchCase(RunnableCase):
     """Young's modulus"""
     poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
     """Poisson's ratio"""
-    motion: RollingOver | Shift = Field(RollingOver(), discriminator=TAG)
+    motion: RollingOver | ShiftedOver = Field(RollingOver(), discriminator=TAG)
     """how the upper body moves on the lower one"""
     friction: NotNegative = 0.3
     """coefficient of friction, 0: without friction"""
