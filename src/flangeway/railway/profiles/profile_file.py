@@ -472,8 +472,8 @@ def _oriented(
 ) -> tuple[Orientation, list[str], list[str]]:
     """Return the interpretation of a file, notices of what was assumed, and a notice if it was mirrored.
 
-    Measured heads that are those of a left-hand rail are mirrored; crossings, and what was drawn, may be unlike on both
-    sides.
+    Measured heads that are those of a left-hand rail are mirrored; the sides of crossings, and of what was drawn, may
+    differ.
     """
     taken, assumed = orientation(first or raw, options)
     mirrored = list[str]()
