@@ -71,8 +71,11 @@ def _step() -> Measurement:
 
 def _plasticity(cells: int) -> Measurement:
     begun = time.process_time()
-    steel = RollingSteel(300.0)
-    found = {factor: RollingLine(factor, 0.0, steel, cells, depth=1.0).repeated() for factor in VERDICTS}
+    steel = RollingSteel(shear_yield_MPa=300.0)
+    found = {
+        factor: RollingLine(load_factor=factor, friction=0.0, steel=steel, cells=cells, depth=1.0).repeated()
+        for factor in VERDICTS
+    }
     wrong = np.mean([found[factor].state != state for factor, state in VERDICTS.items()])
     more = {
         "passages": [len(each.newton) for each in found.values()],

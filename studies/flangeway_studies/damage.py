@@ -28,7 +28,7 @@ A_MM, B_MM, FORCE_N, FRICTION, CREEPAGE, SPEED_m_s = 6.0, 4.0, 1e5, 0.3, 0.01, 3
 HARDNESS_MPa, WEAR_COEFFICIENT = 2700.0, 0.0035
 P0_MPa = 1.5 * FORCE_N / (np.pi * A_MM * B_MM)
 LAW_LIMIT, ROUND_OFF, POWER_LIMIT = 1e-3, 1e-10, 1e-6
-STEEL = RollingSteel(300.0)
+STEEL = RollingSteel(shear_yield_MPa=300.0)
 LOADS = (
     (0.0, 3.95, "shakedown", "Melan"),
     (0.0, 4.05, "ratchetting", "Melan"),
@@ -119,22 +119,25 @@ def fatigue_rows() -> Iterator[Row]:
         ("alternating tension", (tension, none, none, none, none, none), 50.0 + slope * 100.0 / 3.0),
         ("turning shear", (none, none, none, shear, 100.0 * np.sin(angles), none), 100.0),
     ):
-        equivalent = DangVan(200.0, slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
+        equivalent = DangVan(limit_MPa=200.0, slope=slope).of(np.stack(history, axis=1)[None]).equivalent_MPa[0]
         yield Row("Dang Van", code, "equivalent stress", "MPa", equivalent, exact, 1e-4)
 
 
 def rolling_rows(run: Run) -> Iterator[Row]:
     """Repeated rolling of a line contact over perfectly plastic steel."""
-    stress = np.linalg.norm(RollingLine(1.0, 0.0, STEEL, 20).elastic, axis=2).max()
+    stress = np.linalg.norm(RollingLine(load_factor=1.0, friction=0.0, steel=STEEL, cells=20).elastic, axis=2).max()
     yield Row("Melan", "friction 0", "p0/k at first yield", "", (np.sqrt(2.0) / stress), FIRST_YIELD, LAW_LIMIT)
     for friction, factor, state, source in LOADS:
-        rolled = RollingLine(factor, friction, STEEL, 8, depth=1.0).repeated()
+        rolled = RollingLine(load_factor=factor, friction=friction, steel=STEEL, cells=8, depth=1.0).repeated()
         code = f"friction {friction:g}, p0/k = {factor:g}"
         added, limit = rolled.increments[-1], Limit(state, rolled.state == state)
         yield Row(source, code, "plastic strain of the last passage over k/G", "", added, 0.0, limit)
         passages = np.arange(1, len(rolled.increments) + 1)
         run.curve("passages", f"friction {friction:g}", f"p0/k = {factor:g}", passages, rolled.increments, ".-")
-    coarse, fine = (RollingLine(3.5, 0.0, STEEL, cells, depth=1.0).repeated(1).residual_MPa for cells in (8, 16))
+    coarse, fine = (
+        RollingLine(load_factor=3.5, friction=0.0, steel=STEEL, cells=cells, depth=1.0).repeated(1).residual_MPa
+        for cells in (8, 16)
+    )
     for number, axis in enumerate(("along", "axial")):
         values = coarse[:, number].min(), fine[:, number].min()
         yield Row("one passage", "p0/k = 3.5, 8 cells for 16", f"residual stress, {axis}", "MPa", *values, 0.03)

@@ -36,6 +36,7 @@ from flangeway.railway.wheelset.whole_wheel import whole_wheel
 
 DIFFERENCE = RollingRadiusDifference([-8.0, 8.0], [-0.8, 0.8])
 CIRCLE = 30.0 * np.column_stack((np.cos(np.linspace(0.2, 2.9, 100)), np.sin(np.linspace(0.2, 2.9, 100))))
+ROLLED = RollingSteel(shear_yield_MPa=300.0)
 CELL = CellLoads(np.ones((1, 1)), np.ones((1, 1, 2)), np.ones((1, 1, 2)), np.ones((1, 1)), 20.0)
 STEEL = Elastic(210e3, 0.3)
 WALL = Contour.from_segments([Line((0.0, 0.0), (0.0, 1.0))], ["wall"])
@@ -101,12 +102,12 @@ WRONG = {
     "without a running surface": lambda: RigidCurve.from_contour(WALL),
     "graph": lambda: RigidCurve.from_graph([1.0, 0.0], np.zeros(2), np.zeros(2)),
     "k_MPa": lambda: surface_fatigue_index(0.3, (6.0, 4.0), 1e5, 0.0),
-    "limit_MPa": lambda: DangVan(0.0, 0.3),
-    "slope": lambda: DangVan(200.0, -0.3),
-    "shear_yield_MPa": lambda: RollingSteel(0.0),
-    "load_factor": lambda: RollingLine(0.0, 0.1, RollingSteel(300.0)),
-    "cells": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), cells=2),
-    "depth=50": lambda: RollingLine(4.0, 0.1, RollingSteel(300.0), depth=50.0),
+    "limit_MPa": lambda: DangVan(limit_MPa=0.0, slope=0.3),
+    "slope": lambda: DangVan(limit_MPa=200.0, slope=-0.3),
+    "shear_yield_MPa": lambda: RollingSteel(shear_yield_MPa=0.0),
+    "load_factor": lambda: RollingLine(load_factor=0.0, friction=0.1, steel=ROLLED),
+    "cells": lambda: RollingLine(load_factor=4.0, friction=0.1, steel=ROLLED, cells=2),
+    "depth = 50": lambda: RollingLine(load_factor=4.0, friction=0.1, steel=ROLLED, depth=50.0),
     "values from 0 to 1": lambda: shakedown_limits("line", 1.1),
     "traction coefficients -0.1": lambda: shakedown_limits("line", -0.1),
     "utilised_friction": lambda: surface_fatigue_index(math.nan, (6.0, 4.0), 1e5, 300.0),

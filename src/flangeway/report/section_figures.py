@@ -32,7 +32,6 @@ from flangeway.report.figures.drawing import (
 from flangeway.report.page.record import Picture
 from flangeway.report.scenes import part_numbers, warping_about_shear_centre
 from flangeway.types import Floats, Ints
-from flangeway.units import Units
 
 WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
 N_ARROWS, N_LEVELS = 18, 12
@@ -49,10 +48,10 @@ STRESS_UNITS = {
 """Factor and unit of shear stress per torque in pictures, by unit of length."""
 
 
-def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
+def mesh_figure(run: SectionRun) -> Figure:
     """Draw the mesh, the centroid, the shear centre and the principal axes."""
     mesh, constants = run.space.mesh, run.constants
-    figure, axes = _new(run, units)
+    figure, axes = _new(run)
     for number, (name, cells) in enumerate(mesh.cell_sets.items()):
         part = cells_path(mesh, mesh.points, cells)
         shade = SHADES[number % len(SHADES)]
@@ -74,26 +73,26 @@ def mesh_figure(run: SectionRun, units: Units = "metric") -> Figure:
     return figure
 
 
-def warping_figure(run: SectionRun, units: Units = "metric") -> Figure:
+def warping_figure(run: SectionRun) -> Figure:
     """Draw the warping about Trefftz's shear centre, for a rate of twist of one."""
     values = warping_about_shear_centre(run)
-    return _contours(run, values, "Warping about the shear centre / rate of twist", units)
+    return _contours(run, values, "Warping about the shear centre / rate of twist")
 
 
-def prandtl_figure(run: SectionRun, units: Units = "metric") -> Figure:
+def prandtl_figure(run: SectionRun) -> Figure:
     """Draw Prandtl's function for ``G theta' = 1``."""
     prandtl = run.constants.prandtl
     values = prandtl.function[: run.space.mesh.n_points] / prandtl.problem.mean_modulus
-    return _contours(run, values, "Prandtl's function / Gθ′, with lines of shear flow", units)
+    return _contours(run, values, "Prandtl's function / Gθ′, with lines of shear flow")
 
 
-def shear_figure(run: SectionRun, units: Units = "metric") -> Figure:
+def shear_figure(run: SectionRun) -> Figure:
     """Draw the size and direction of the shear stress for a torque of one, in each element as it is."""
     mesh, solution = run.space.mesh, run.constants.prandtl
     factor, unit = STRESS_UNITS[run.drawn.unit]
     factor /= solution.torsional_rigidity
     sizes = factor * norms(corner_shear_stresses(solution))
-    figure, axes = _new(run, units)
+    figure, axes = _new(run)
     shade = shade_of(sizes, (0.0, float(sizes.max())))
     fill_triangles(axes, mesh.points[mesh.cell_points], _fans(mesh), sizes, shade)
     _outline(axes, mesh)
@@ -120,10 +119,10 @@ def _fans(mesh: PolyMesh) -> Ints:
     return np.vstack(fans)
 
 
-def _contours(run: SectionRun, values: Floats, title: str, units: Units) -> Figure:
+def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
     """Draw values at the points of the mesh (n_points,) with lines of equal value; dashed ones are negative."""
     mesh = run.space.mesh
-    figure, axes = _new(run, units)
+    figure, axes = _new(run)
     shade, triangles = shade_of(values), mesh.cell_points[_fans(mesh)].astype(np.int64)
     fill_triangles(axes, mesh.points, triangles, values, shade)
     grid = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles)
@@ -137,10 +136,10 @@ def _contours(run: SectionRun, values: Floats, title: str, units: Units) -> Figu
     return figure
 
 
-def _new(run: SectionRun, units: Units) -> tuple[Figure, Axes]:
+def _new(run: SectionRun) -> tuple[Figure, Axes]:
     width, height = np.ptp(run.space.mesh.points, axis=0)
     height_in = float(np.clip(0.8 * WIDTH_IN * height / width + 0.9, MIN_HEIGHT_IN, MAX_HEIGHT_IN))
-    figure = new_figure(WIDTH_IN, height_in, units, compressed=True)
+    figure = new_figure(WIDTH_IN, height_in, run.case.units, compressed=True)
     return figure, figure.subplots()
 
 
@@ -168,7 +167,7 @@ def _spread(mesh: PolyMesh) -> Ints:
     return first.astype(np.int64)
 
 
-PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
+PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
     "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
     "warping.png": (warping_figure, "Warping about the shear centre per rate of twist, with contour lines"),
     "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
@@ -180,4 +179,4 @@ PICTURES: dict[str, tuple[Callable[[SectionRun, Units], Figure], str]] = {
 def section_pictures(run: SectionRun) -> list[Picture]:
     """Pictures of a section, the most important first."""
     draws = PICTURES.items()
-    return [Picture(name, partial(draw, run, run.case.units), f"{words}.") for name, (draw, words) in draws]
+    return [Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in draws]

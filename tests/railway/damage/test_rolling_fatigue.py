@@ -46,14 +46,14 @@ def test_shakedown_index_is_one_at_the_limits() -> None:
 )
 def test_dang_van_has_closed_forms(stresses: dict[str, np.ndarray], value: float) -> None:
     """Equivalent stress and index of simple histories are those of closed forms, to 1e-4."""
-    found = DangVan(200.0, 0.3).of(history(**stresses))
+    found = DangVan(limit_MPa=200.0, slope=0.3).of(history(**stresses))
     assert found.equivalent_MPa == pytest.approx([value], rel=1e-4)
     assert found.index == pytest.approx([value / 200.0], rel=1e-4)
 
 
 def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
     """A constant stress moves the ball with the history: only its pressure counts."""
-    law, stresses = DangVan(200.0, 0.3), history(xy=100.0 * np.cos(TIMES))
+    law, stresses = DangVan(limit_MPa=200.0, slope=0.3), history(xy=100.0 * np.cos(TIMES))
     free, held = law.of(stresses), law.of(stresses, residual=np.array([-90.0, 0.0, -60.0, 0.0, 0.0, 0.0]))
     assert held.equivalent_MPa - free.equivalent_MPa == pytest.approx([-0.3 * 50.0], rel=1e-4)
 
@@ -65,17 +65,17 @@ def test_residual_stress_changes_the_hydrostatic_part_alone() -> None:
 def test_stresses_of_other_shapes_are_refused(histories: np.ndarray, residual: np.ndarray | None) -> None:
     """One history without an axis for points, values that are not finite, residual stresses of other points."""
     with pytest.raises(InputError, match="of shape"):
-        DangVan(200.0, 0.3).of(histories, residual)
+        DangVan(limit_MPa=200.0, slope=0.3).of(histories, residual)
 
 
-STEEL = RollingSteel(300.0)
-HARDENING = RollingSteel(300.0, hardening_MPa=20e3)
+STEEL = RollingSteel(shear_yield_MPa=300.0)
+HARDENING = RollingSteel(shear_yield_MPa=300.0, hardening_MPa=20e3)
 
 
 @cache
 def line(load_factor: float, friction: float, steel: RollingSteel = STEEL, cells: int = 8) -> RollingLine:
     """A line contact on a coarse mesh, deep enough for flow below the surface."""
-    return RollingLine(load_factor, friction, steel, cells, depth=1.0)
+    return RollingLine(load_factor=load_factor, friction=friction, steel=steel, cells=cells, depth=1.0)
 
 
 @cache

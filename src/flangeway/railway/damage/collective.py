@@ -10,6 +10,7 @@ from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.wheelset_problem import Role, WheelsetProblem
+from flangeway.system.file_content import packaged_text, toml_data
 
 SHARES_TOLERANCE = 1e-6
 """Difference of the sum of the shares from 1 that is rounding."""
@@ -177,62 +178,7 @@ def _between(key: str, ends: Sequence[float], fraction: float) -> float:
     return 1.0 / value if key in RADII else value
 
 
-def _tangent(share: float, speed: float, friction: float = 0.3) -> dict[str, Any]:
-    """Straight track: gauges and yaws of axles in their bogies spread the contact."""
-    return {
-        "name": "tangent",
-        "share": share,
-        "parts": 5,
-        "rolling.speed_km_h": speed,
-        "rolling.friction": friction,
-        "track.gauge_mm": (1431.0, 1439.0),
-        "position.yaw_mrad": (-0.4, 0.6),
-    }
-
-
-def _curves(
-    share: float,
-    radii_m: tuple[float, float],
-    speeds: tuple[float, float],
-    superelevations_mm: tuple[float, float],
-    parts: int = 1,
-    friction: float = 0.3,
-    flange_friction: float | None = None,
-) -> dict[str, Any]:
-    """Curves between two radii."""
-    return {
-        "name": f"curves of {radii_m[0]:g} to {radii_m[1]:g} m",
-        "share": share,
-        "parts": parts,
-        RADIUS: radii_m,
-        "load.curve.speed_km_h": speeds,
-        "load.curve.superelevation_mm": superelevations_mm,
-        "track.gauge_mm": 1435.0,
-        "rolling.friction": friction,
-        **({} if flange_friction is None else {"rolling.flange_friction": flange_friction}),
-    }
-
-
-COLLECTIVES: dict[str, tuple[dict[str, Any], ...]] = {
-    "tangent": (_tangent(1.0, 160.0),),
-    "mixed-line": (
-        _tangent(0.55, 140.0),
-        _curves(0.16, (4000.0, 2000.0), (140.0, 140.0), (30.0, 60.0)),
-        _curves(0.14, (2000.0, 1000.0), (140.0, 120.0), (60.0, 100.0), 2),
-        _curves(0.11, (1000.0, 500.0), (120.0, 80.0), (100.0, 120.0), 2),
-        _curves(0.04, (500.0, 400.0), (80.0, 70.0), (120.0, 120.0), flange_friction=0.2),
-    ),
-    "metro": (
-        _tangent(0.5, 70.0),
-        _curves(0.3, (1200.0, 400.0), (70.0, 50.0), (40.0, 90.0), 3),
-        _curves(0.2, (400.0, 200.0), (50.0, 40.0), (90.0, 90.0), 2, flange_friction=0.15),
-    ),
-    "heavy-haul": (
-        _tangent(0.6, 70.0, 0.35),
-        _curves(0.3, (2000.0, 700.0), (70.0, 65.0), (20.0, 50.0), 3, friction=0.35),
-        _curves(0.1, (700.0, 400.0), (65.0, 60.0), (50.0, 60.0), friction=0.35, flange_friction=0.2),
-    ),
-}
+COLLECTIVES: dict[str, list[dict[str, Any]]] = toml_data(packaged_text(__package__, "collectives.toml"), "")
 """States of bundled collectives as `parts_of` takes them, with the paths of the inputs of the case ``wheelset``.
 
 Their shares, speeds and radii are assumed, not measured: name them as such."""

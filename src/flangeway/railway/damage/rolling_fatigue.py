@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.checks import are_finite, as_numbers, check_between, check_finite, check_positive
+from flangeway.checks import are_finite, as_numbers, check_finite, check_positive
 from flangeway.errors import InputError
 from flangeway.exact.shakedown import shakedown_limits
+from flangeway.records import NotNegative, Positive, Record
 from flangeway.types import Floats
 
 WLRM_T_GAMMA_N = (15.0, 65.0, 175.0)
@@ -92,30 +93,17 @@ def shakedown_index(max_pressure: float, k_MPa: float, utilised_friction: float)
     return float(max_pressure / k_MPa / limits.shakedown)
 
 
-@dataclass(frozen=True)
-class DangVan:
+class DangVan(Record):
     """Criterion of Dang Van: ``tau(t) + slope * hydrostatic(t) <= limit_MPa`` at all times.
 
     tau is half of Tresca's stress of the deviator about the centre of the smallest ball, by von Mises' norm, around its
     history: residual stresses that shakedown leaves in grains make it the centre.
-
-    Parameters
-    ----------
-    limit_MPa
-        Fatigue limit in alternating shear, > 0.
-    slope
-        Weight of the hydrostatic stress, >= 0: ``3 limit / bending limit - 1.5``.
-
     """
 
-    limit_MPa: float  # noqa: N815
-    slope: float
-
-    def __post_init__(self) -> None:
-        check_positive(
-            "DangVan", "limit_MPa", self.limit_MPa, "a fatigue limit > 0", "give that of alternating torsion"
-        )
-        check_between("DangVan", "slope", self.slope, 0.0, advice="give 3 limit / bending limit - 1.5")
+    limit_MPa: Positive  # noqa: N815
+    """fatigue limit in alternating shear, that of alternating torsion"""
+    slope: NotNegative
+    """weight of the hydrostatic stress: 3 limit / bending limit - 1.5"""
 
     def of(self, histories: Floats, residual: Floats | None = None) -> "DangVanStress":
         """Equivalent stress of histories.

@@ -24,10 +24,11 @@ from typing import Literal
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
+from pydantic import Field
 
-from flangeway.checks import check_between, check_finite, check_integer, check_positive, refused
-from flangeway.errors import InputError
+from flangeway.checks import check_integer
 from flangeway.exact import LineContact
+from flangeway.records import NotNegative, Positive, Record
 from flangeway.types import Floats
 
 BASE = np.array(
@@ -55,28 +56,17 @@ MAX_STEADY_CHANGE = 1e-3
 State = Literal["elastic", "shakedown", "plastic shakedown", "ratchetting", "not settled"]
 
 
-@dataclass(frozen=True)
-class RollingSteel:
-    """Steel under repeated rolling.
+class RollingSteel(Record):
+    """Steel under repeated rolling."""
 
-    - `shear_yield_MPa`: yield strength in shear k.
-    - `young_MPa`, `poisson`: elasticity.
-    - `hardening_MPa`: back stress over plastic strain C, >= 0; 0: perfectly plastic.
-    """
-
-    shear_yield_MPa: float  # noqa: N815
-    young_MPa: float = 210e3  # noqa: N815
-    poisson: float = 0.3
-    hardening_MPa: float = 0.0  # noqa: N815
-
-    def __post_init__(self) -> None:
-        check_positive(
-            "RollingSteel", "shear_yield_MPa", self.shear_yield_MPa, "k > 0", "give the yield strength / 1.732"
-        )
-        check_positive("RollingSteel", "young_MPa", self.young_MPa)
-        check_between("RollingSteel", "hardening_MPa", self.hardening_MPa, 0.0, advice="0: perfectly plastic")
-        if not 0.0 <= check_finite("RollingSteel", "poisson", self.poisson) < 0.5:
-            raise refused("RollingSteel", "poisson", self.poisson, "0 <= nu < 0.5", "steel has 0.3")
+    shear_yield_MPa: Positive  # noqa: N815
+    """yield strength in shear k; the yield strength / 1.732"""
+    young_MPa: Positive = 210e3  # noqa: N815
+    """Young's modulus"""
+    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
+    """Poisson's ratio"""
+    hardening_MPa: NotNegative = 0.0  # noqa: N815
+    """back stress over plastic strain C; 0: perfectly plastic"""
 
     @property
     def shear_modulus(self) -> float:
@@ -110,44 +100,19 @@ class RepeatedRolling:
         return float(self.depths[np.abs(self.strains).argmax()]) if self.state == "ratchetting" else None
 
 
-@dataclass(frozen=True, eq=False)
-class RollingLine:
-    """A Hertz line contact that rolls over a half-plane again and again.
+class RollingLine(Record):
+    """A Hertz line contact that rolls over a half-plane again and again."""
 
-    Parameters
-    ----------
-    load_factor
-        p0 / k, > 0.
-    friction
-        Traction over pressure; positive where it drives the surface towards +x, the direction of rolling.
-    steel
-        Material.
-    cells
-        Cells over the half width along x; layers have the same thickness, but for `SKIN_THICKNESS`.
-    depth
-        Depth of the layers over the half width.
-
-    Raises
-    ------
-    InputError
-        If a number is out of range.
-
-    """
-
-    load_factor: float
-    friction: float
+    load_factor: Positive
+    """p0 / k"""
+    friction: float = Field(ge=-1.0, le=1.0)
+    """traction over pressure; positive where it drives the surface towards +x, the direction of rolling"""
     steel: RollingSteel
-    cells: int = 12
-    depth: float = 1.25
-
-    def __post_init__(self) -> None:
-        check_positive("RollingLine", "load_factor", self.load_factor)
-        if check_positive("RollingLine", "depth", self.depth) > WINDOW_HALF_LENGTH / 2.0:
-            raise InputError(
-                f"RollingLine(depth={self.depth:g})", f"up to {WINDOW_HALF_LENGTH / 2.0:g} half widths", "1.25 is usual"
-            )
-        check_integer("RollingLine", "cells", self.cells, 4, 20)
-        check_between("RollingLine", "friction", self.friction, -1.0, 1.0, advice="give tangential over normal force")
+    """material"""
+    cells: int = Field(default=12, ge=4, le=20)
+    """cells over the half width along x; layers have the same thickness, but for `SKIN_THICKNESS`"""
+    depth: float = Field(default=1.25, gt=0.0, le=WINDOW_HALF_LENGTH / 2.0)
+    """depth of the layers over the half width"""
 
     @cached_property
     def _x(self) -> Floats:
