@@ -1,6 +1,6 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
-from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult, TwoBodiesCase
 from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_grid, solve_cook
 from flangeway.cases.case import Case, Convergence, RunnableCase, run_halved
 from flangeway.cases.case_file import CASES, find_case, load_case, schema, write_template
@@ -17,6 +17,7 @@ __all__ = [
     "CookCode",
     "RunResult",
     "RunnableCase",
+    "TwoBodiesCase",
     "Wheelset",
     "WheelsetRun",
     "cook_grid",

@@ -1,5 +1,18 @@
 """Contact surfaces, search, pairing, gap kinematics, enforcement, and Newton's method for them."""
 
+from flangeway.contact.contact_records import (
+    AugmentedLaw,
+    BarrierLaw,
+    ContactTable,
+    MatchedPairing,
+    MultiplierLaw,
+    NodePairing,
+    PenaltyLaw,
+    Push,
+    SegmentPairing,
+    Shift,
+    StepsTable,
+)
 from flangeway.contact.contact_state import ContactState
 from flangeway.contact.kinematics import NodeEdgeGaps, node_edge_gaps, shape_functions
 from flangeway.contact.newton import solve_contact
@@ -22,24 +35,35 @@ from flangeway.contact.system import Contact, ContactLinearisation, ContactSyste
 
 __all__ = [
     "AugmentedLagrange",
+    "AugmentedLaw",
     "Barrier",
+    "BarrierLaw",
     "Constraints",
     "Contact",
     "ContactLinearisation",
     "ContactSolution",
     "ContactState",
     "ContactSystem",
+    "ContactTable",
     "Enforcement",
     "LoadStep",
+    "MatchedPairing",
     "Multiplier",
+    "MultiplierLaw",
     "NodeEdgeGaps",
+    "NodePairing",
     "NodeToNode",
     "NodeToSegment",
     "NonlinearContact",
     "Pairing",
     "Pairs",
     "Penalty",
+    "PenaltyLaw",
+    "Push",
+    "SegmentPairing",
     "SegmentToSegment",
+    "Shift",
+    "StepsTable",
     "Surface",
     "nearest_edges",
     "node_edge_gaps",

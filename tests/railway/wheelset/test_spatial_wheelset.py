@@ -9,8 +9,10 @@ import pytest
 
 from benchmarks.sweep import energy_sweep, moved_to, noise, pressures_and_areas
 from flangeway.cases.case_file import load_case
+from flangeway.cases.wheelset.wheelset_case import SpatialWheelsetRun
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.errors import InputError
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset import fine_cells, spatial_wheelset
 from flangeway.railway.wheelset.equilibrium import load_on_axle
@@ -247,3 +249,25 @@ def test_cells_at_a_narrow_peak_are_divided_once():
     assert np.allclose(found.widths[np.abs(found.stations) > 4.0], 1.25)
     again = pressed(found.bounds, 4.0)
     assert divided(again, 20) is again.grid
+
+
+@pytest.mark.parametrize("rolling", [{}, {"friction": 0.3, "speed_km_h": 80.0, "theory": "fastsim"}])
+def test_a_start_gives_the_same_equilibrium_in_fewer_iterations(rolling):
+    """From the run under a similar load the search is shorter, and ends at the same position with the same patches."""
+    case = coarse_case(load={"lateral_force_kN": 10.0}, **({"rolling": rolling} if rolling else {}))
+    other = case.replaced(load={"lateral_force_kN": 11.0})
+    anew, again = other.run(), other.run(start=case.run())
+    assert anew.status.converged
+    assert again.status.converged
+    assert again.status.iterations < anew.status.iterations
+    positions = [run.result.equilibrium.position.components for run in (again, anew)]
+    assert positions[0] == pytest.approx(positions[1], abs=2e-3)
+    pressures = [[patch.max_pressure for patch in run.patches] for run in (again, anew)]
+    assert pressures[0] == pytest.approx(pressures[1], rel=0.01)
+
+
+def test_a_plane_wheelset_takes_no_start():
+    """A start from three dimensions would have no effect in a plane, and is refused."""
+    plane = load_case("wheelset-tangent")
+    with pytest.raises(InputError, match="start"):
+        plane.run(start=SpatialWheelsetRun(plane, None, 0.0))

@@ -189,19 +189,21 @@ def solve_spatial(
     *,
     cold: bool = False,
     progress: Callable[[str], None] = lambda _: None,
+    start: SpatialResult | None = None,
 ) -> SpatialResult:
     """Find a wheelset's equilibrium in three dimensions, and its patches.
 
     - `cold`: compute everything anew, without the user's cache.
+    - `start`: result under a similar load, from whose place the search begins.
     """
     timings: dict[str, float] = {}
-    start = time.perf_counter()
-    cache = None if cold else Cache.of_user()
+    begun, cache = time.perf_counter(), None if cold else Cache.of_user()
     rigid = SpatialWheelset(problem, {})
     _ = rigid.start  # what rigid wheels cannot do is refused before the bodies are meshed
     surfaces = running_surfaces(problem, cache=cache, progress=progress)
-    timings["compliance"] = time.perf_counter() - start
-    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress), cache=cache)
+    timings["compliance"] = time.perf_counter() - begun
+    near = None if start is None else RollingPlace.of(start.equilibrium)
+    return replace(solve_position(replace(rigid, surfaces=surfaces), timings, progress, near), cache=cache)
 
 
 def solve_position(

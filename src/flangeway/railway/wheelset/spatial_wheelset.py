@@ -85,11 +85,10 @@ class RollingPlace(NamedTuple):
 
     @classmethod
     def of(cls, equilibrium: Equilibrium[SpatialState]) -> "RollingPlace":
-        """Place of an equilibrium with friction."""
+        """Place of an equilibrium; without friction it has no yaw of its own, and no rate."""
         rolled = equilibrium.state.rolled
-        assert rolled is not None
-        unknowns = *equilibrium.position.components, *bending_of(equilibrium.state.sides), rolled.yaw_rad
-        return cls(*map(float, (*unknowns, rolled.rate_rad_s)))
+        motion = (0.0, 0.0) if rolled is None else (rolled.yaw_rad, rolled.rate_rad_s)
+        return cls(*map(float, (*equilibrium.position.components, *bending_of(equilibrium.state.sides), *motion)))
 
     @property
     def position(self) -> WheelsetPosition:
@@ -145,12 +144,13 @@ class SpatialWheelset:
         With friction from the equilibrium without on coarse cells, first on fewer fine cells: on coarse ones creep
         forces jump with each cell that comes into contact.
 
-        - `near`: place close to the equilibrium with friction, from which the search begins instead.
+        - `near`: place close to the equilibrium, from which the search begins instead.
         """
-        if near is not None:
+        if near is not None and near.rate_rad_s and self.problem.friction is not None:
             return self._rolling(near.position, self._touching(near), near.rate_rad_s, progress)
         risen = float(self._bending_by_load[::2].mean())
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking - risen))
+        start = start if near is None else near.position
         kept = None, *self.problem.position.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         grids = self.whole(position, None, {})
