@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import Axis, PatchGrid
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fast_theories import fastsim, polach
+from flangeway.contact.rolling.fast_theories import fastsim
 from flangeway.contact.rolling.friction import Friction, Heating, SlopeReduction
 from flangeway.contact.rolling.friction_solver import _solved
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, Creepages, Rolling, RollingContact
@@ -176,8 +176,6 @@ def test_bad_inputs(circle) -> None:
         (lambda: roll(circle, Creepages(0.1), differences=(1.0, 1.0)), "two or three weights of sum 0"),
         (lambda: PatchGrid(np.array([0.0, 1.0, 0.5]), 0.1, 4), "rising ends"),
         (lambda: fastsim(circle, Creepages(0.1), flexibilities=(1e-4, 0.0, 1e-4)), "L1, L2 and L3"),
-        (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),
-        (lambda: polach(circle, Creepages(0.1), slip="half"), "slip <= adhesion"),  # type: ignore[arg-type]
         (lambda: fastsim(circle, Creepages(0.1), n_steps=2.5), "n_steps"),  # type: ignore[arg-type]
         (lambda: SlopeReduction(initial="half"), "initial = 'half'"),  # type: ignore[arg-type]
         (lambda: Heating(falls=(100.0, 200.0, 300.0)), "two temperatures"),  # type: ignore[arg-type]

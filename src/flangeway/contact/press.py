@@ -11,7 +11,6 @@ import numpy as np
 from flangeway.checks import MIN_POSITIVE, are_all, are_finite, check_integer, check_tolerance, refused
 from flangeway.contact.contact_state import ContactState
 from flangeway.contact.newton import solve_contact
-from flangeway.contact.search import share_of
 from flangeway.contact.solution_checks import BodyOverlap, body_overlaps, check_solution, passages
 from flangeway.contact.surface import Surface
 from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of
@@ -441,7 +440,7 @@ def _moved(
 ) -> tuple[Placement, ...]:
     """Placements after a share of a motion."""
     return tuple(
-        share_of(motion[part], share).after(before) if part in motion else before
+        motion[part].part(share).after(before) if part in motion else before
         for part, before in zip(parts, placed, strict=True)
     )
 

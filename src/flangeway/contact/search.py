@@ -71,13 +71,7 @@ def on_path(first: Placement, last: Placement, points: Floats, share: float) -> 
     The body moves and turns in proportion, and deforms straight in its own frame.
     """
     local = (1.0 - share) * first.inverse().points(points[0]) + share * last.inverse().points(points[1])
-    return share_of(last.after(first.inverse()), share).after(first).points(local)
-
-
-def share_of(motion: Placement, share: float) -> Placement:
-    """A share of the angle and of the shift of a motion."""
-    x, y = motion.translation
-    return Placement(share * motion.rotation_rad, (share * x, share * y))
+    return last.after(first.inverse()).part(share).after(first).points(local)
 
 
 class Visits(NamedTuple):

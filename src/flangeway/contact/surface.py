@@ -21,6 +21,7 @@ from flangeway.geometry.arrays import (
     chords_of,
     cross_product,
     facet_depths,
+    frozen,
     max_magnitude,
     norms,
     point_text,
@@ -148,9 +149,7 @@ class Surface:
                 "one chain of edges that follow each other",
                 "make one contact for each chain",
             )
-        chain = chain.astype(np.int32)
-        chain.setflags(write=False)
-        return chain
+        return frozen(chain.astype(np.int32))
 
     @property
     def _name(self) -> str:

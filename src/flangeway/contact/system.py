@@ -489,6 +489,11 @@ class ContactSystem:
         """Points of a surface's `Surface.contact_places` by positions (n_nodes, 2) of all surface nodes."""
         return self._all_points(positions)[self._points[id(surface)]]
 
+    @property
+    def _none_guarded(self) -> tuple[Guards, ...]:
+        """No point of the contacts' surfaces, in new arrays."""
+        return tuple(unguarded(contact.sides) for contact in self.contacts)
+
     def linearise(
         self, positions: Floats, previous: ContactLinearisation | None, *, settle: bool = False
     ) -> ContactLinearisation:
@@ -496,15 +501,14 @@ class ContactSystem:
 
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
-        none = [unguarded(contact.sides) for contact in self.contacts]
-        return self._with(none if previous is None else previous.guarded_nodes, positions, previous, settle=settle)
+        guarded_nodes = self._none_guarded if previous is None else previous.guarded_nodes
+        return self._with(guarded_nodes, positions, previous, settle=settle)
 
     def unguarded(self, positions: Floats, lin: ContactLinearisation) -> ContactLinearisation:
         """Linearise about the positions of ``lin`` without guarded nodes; itself if it has none."""
         if not any(mask.any() for sides in lin.guarded_nodes for mask in sides):
             return lin
-        none = [unguarded(contact.sides) for contact in self.contacts]
-        return self._with(none, positions, lin, settle=False)
+        return self._with(self._none_guarded, positions, lin, settle=False)
 
     def guarded(
         self, positions: Floats, lin: ContactLinearisation, forces: Floats, moved: float
@@ -563,7 +567,7 @@ class ContactSystem:
         first = min((float(times.min(initial=np.inf)) for *_, times in all_entries), default=np.inf)
         if first > 1.0:
             return None
-        guards = tuple(unguarded(contact.sides) for contact in self.contacts)
+        guards = self._none_guarded
         for number, side, nodes, times in all_entries:
             guards[number][side][nodes[times <= first + SIMULTANEOUS]] = 1.0
         return Entry(first, guards)

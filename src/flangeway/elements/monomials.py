@@ -15,6 +15,7 @@ import numpy as np
 
 from flangeway.elements.batched import cross
 from flangeway.elements.quadrature import gauss
+from flangeway.geometry.arrays import frozen
 from flangeway.types import Floats, Indices, Ints, floats
 
 
@@ -60,8 +61,7 @@ def exponents(degree: int, dimension: int = 2) -> Ints:
     """Exponents of the monomials up to a degree, shape (n_monomials, d)."""
     powers = product(range(degree, -1, -1), repeat=dimension)
     table = np.array(sorted((p for p in powers if sum(p) <= degree), key=sum), dtype=np.int64).reshape(-1, dimension)
-    table.setflags(write=False)
-    return table
+    return frozen(table)
 
 
 def index(powers: Ints) -> Ints:
@@ -112,8 +112,7 @@ def derivatives(degree: int, dimension: int = 2) -> Floats:
         lowered = powers[columns].copy()
         lowered[:, axis] -= 1
         matrices[axis, index(lowered), columns] = powers[columns, axis]
-    matrices.setflags(write=False)
-    return matrices
+    return frozen(matrices)
 
 
 @cache

@@ -59,6 +59,12 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
     return float(points[0, 0]), float(points[0, 1])
 
 
+def frozen(values: NDArray[Any]) -> NDArray[Any]:
+    """Return an array after it was made read-only."""
+    values.setflags(write=False)
+    return values
+
+
 def sides_of(ring: Sequence[Item]) -> Iterator[tuple[Item, Item]]:
     """Each item of a closed ring and the one after it, the last and the first at the end."""
     return zip(ring, [*ring[1:], *ring[:1]], strict=True)

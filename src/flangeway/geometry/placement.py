@@ -66,6 +66,11 @@ class Placement:
         """Return local vectors (n, 2) in space (n, 2), without the translation."""
         return as_points(local_vectors, "vectors") @ self.matrix.T
 
+    def part(self, fraction: float) -> "Placement":
+        """Return the placement that turns and shifts by a fraction of this one."""
+        x, y = self.translation
+        return Placement(fraction * self.rotation_rad, (fraction * x, fraction * y))
+
     def inverse(self) -> "Placement":
         """Return the placement that brings space back to the local frame."""
         back = -(self.matrix.T @ np.array(self.translation))

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -21,6 +21,7 @@ from flangeway.geometry.arrays import (
     as_points,
     chain_lengths,
     cross_product,
+    frozen,
     norms,
     root_parameters,
     step_lengths,
@@ -45,17 +46,15 @@ def _parameters(s: ArrayLike) -> Floats:
 
 def _fixed(rows: list[list[float]]) -> Floats:
     """Return an array that is kept and therefore cannot be changed."""
-    array = np.array(rows)
-    array.setflags(write=False)
-    return array
+    return frozen(np.array(rows))
 
 
-def _cut_parameters(parameters: ArrayLike) -> list[float]:
-    """Return the inner cuts in order, with 0 and 1 added."""
+def _pieces(segment: "Segment", parameters: ArrayLike) -> Iterator[tuple[Point, Point]]:
+    """Return the ends of the pieces of a segment between inner cuts, in order."""
     cuts = np.unique(_parameters(parameters))
     if not np.all((cuts > 0.0) & (cuts < 1.0)):
         raise InputError(f"split at the parameters {cuts}", "parameters inside (0, 1)", "leave the ends out")
-    return [0.0, *cuts.tolist(), 1.0]
+    return itertools.pairwise(map(as_point, segment.point([0.0, *cuts.tolist(), 1.0])))
 
 
 @dataclass(frozen=True)
@@ -129,8 +128,7 @@ class Line:
 
     def split(self, parameters: ArrayLike) -> tuple["Line", ...]:
         """Return the pieces between the parameters (each inside (0, 1)), in order."""
-        ends = [as_point(p) for p in self.point(_cut_parameters(parameters))]
-        return tuple(Line(a, b) for a, b in itertools.pairwise(ends))
+        return tuple(Line(a, b) for a, b in _pieces(self, parameters))
 
 
 @dataclass(frozen=True)
@@ -271,8 +269,7 @@ class Arc:
 
     def split(self, parameters: ArrayLike) -> tuple["Arc", ...]:
         """Return the pieces between the parameters (each inside (0, 1)), in order."""
-        ends = [as_point(p) for p in self.point(_cut_parameters(parameters))]
-        return tuple(Arc(a, b, self.centre, self.counter_clockwise) for a, b in itertools.pairwise(ends))
+        return tuple(Arc(a, b, self.centre, self.counter_clockwise) for a, b in _pieces(self, parameters))
 
 
 Segment: TypeAlias = Line | Arc
@@ -438,8 +435,7 @@ class Spline:
             raise InputError("a spline that has a point twice in a row", "neighbours that differ", "remove one")
         if np.abs(points[-1] - points[0]).max() <= CLOSURE_TOLERANCE * np.abs(points).max():
             points[-1] = points[0]
-        points.setflags(write=False)
-        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "points", frozen(points))
 
     @property
     def closed(self) -> bool:

@@ -6,10 +6,10 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, frozen
 from flangeway.types import Floats, Indices, Ints
 
 
@@ -25,12 +25,6 @@ def index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
             "number points and cells from zero",
         )
     return frozen(given.astype(np.int32))
-
-
-def frozen(values: NDArray[Any]) -> NDArray[Any]:
-    """Make an array read-only."""
-    values.setflags(write=False)
-    return values
 
 
 def row_starts(values: ArrayLike, name: str, total: int, least: int) -> IntArray:

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, chords_of, cross_product, norms
+from flangeway.geometry.arrays import IntArray, chords_of, cross_product, frozen, norms
 from flangeway.geometry.placement import Placement
 from flangeway.types import Bools, Floats, Indices, Ints, floats
 
@@ -96,8 +96,7 @@ def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
     """Number the edges of sides given by their start and end (n_sides,)."""
     keys = np.minimum(start, end).astype(np.int64) * n_points + np.maximum(start, end)
     keys, first, numbers, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
-    edges: IntArray = numbers.astype(np.int32)
-    edges.setflags(write=False)
+    edges: IntArray = frozen(numbers.astype(np.int32))
     # two cells that fit together travel their edge in both directions
     net = np.bincount(numbers, np.where(start < end, 1, -1))
     doubled = np.flatnonzero((counts > 2) | ((counts == 2) & (net != 0)))

@@ -13,8 +13,8 @@ from scipy.spatial import Voronoi, cKDTree
 
 from flangeway.checks import as_numbers, values_at
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, norms, point_text, sums_at
-from flangeway.mesh.cell_mesh import CellMesh, frozen, index_array, known, row_starts
+from flangeway.geometry.arrays import IntArray, frozen, norms, point_text, sums_at
+from flangeway.mesh.cell_mesh import CellMesh, index_array, known, row_starts
 from flangeway.mesh.connectivity import entries_of, first_connected, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats, Ints

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import values_at
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, chain_points, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, as_points, chain_points, cross_product, frozen, point_text
 from flangeway.geometry.placement import Placement
-from flangeway.mesh.cell_mesh import CellMesh, frozen, index_array, row_starts
+from flangeway.mesh.cell_mesh import CellMesh, index_array, row_starts
 from flangeway.mesh.connectivity import (
     EdgeCurves,
     EdgeNumbers,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from flangeway.geometry.arrays import cross_product, max_magnitude
+from flangeway.geometry.arrays import cross_product, frozen, max_magnitude
 from flangeway.problems import ElasticField, Spring, Support
 from flangeway.solve import ElasticitySolution
 from flangeway.solve.constraints import RANK
@@ -42,11 +42,7 @@ def reactions(solution: ElasticitySolution[Any]) -> tuple[Reaction, ...]:
             at_nodes = next(springs)
             forces[number] = at_nodes.sum(axis=0)
             moments[number] = _moments(problem.space.nodes, at_nodes).sum(axis=0)
-    forces.setflags(write=False)
-    return tuple(
-        Reaction(support, force, moment)
-        for support, force, moment in zip(problem.supports, forces, moments, strict=True)
-    )
+    return tuple(map(Reaction, problem.supports, frozen(forces), moments))
 
 
 def _moments(points: Floats, forces: Floats) -> Floats:

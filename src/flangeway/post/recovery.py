@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from flangeway.elements import Function, batched, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import frozen
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
 from flangeway.mesh.curved import Curves
 from flangeway.post.stress import OUTSIDE, Stresses, at_mesh_points, locate
@@ -51,8 +52,7 @@ class RecoveredStresses(Result):
         """
         order = self.solution.space.order
         errors = energy_norms(self.solution, lambda batch, points: self._at(batch.cells, points), 2 * order)[0]
-        errors.setflags(write=False)
-        return errors
+        return frozen(errors)
 
     @property
     def table(self) -> ResultTable:
@@ -171,9 +171,7 @@ def recovered_stresses(solution: ElasticField) -> RecoveredStresses:
         projected = batched.solve(mass[:, :, columns], products)
         np.add.at(normal, middles, np.einsum("abp,acp->pbc", products, projected))
         np.add.at(rhs, middles, np.einsum("abp,sap->pbs", products, stress[:, :, columns]))
-    coefficients = _solved(normal, rhs).swapaxes(1, 2)
-    coefficients.setflags(write=False)
-    return RecoveredStresses(solution, coefficients, scales)
+    return RecoveredStresses(solution, frozen(_solved(normal, rhs).swapaxes(1, 2)), scales)
 
 
 def _patches(problem: Elasticity, n_wanted: int, n_each: int) -> sp.csr_array:
@@ -323,8 +321,7 @@ def adapt(
             raise InputError(
                 f"cell errors of shape {errors.shape}", f"({mesh.n_cells},), one for each cell", "correct the estimate"
             )
-        errors.setflags(write=False)
-        steps.append(AdaptiveStep(mesh, solution, errors))
+        steps.append(AdaptiveStep(mesh, solution, frozen(errors)))
         if steps[-1].error <= tolerance:
             return _ended(steps, tolerance, "")
         if len(steps) == most_steps:

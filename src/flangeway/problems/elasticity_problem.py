@@ -13,7 +13,7 @@ from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import edge_points, edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import ROUGH_ANGLE, chords_of, facet_depths, norms, point_text, steps_around
+from flangeway.geometry.arrays import ROUGH_ANGLE, chords_of, facet_depths, frozen, norms, point_text, steps_around
 from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import set_numbers
@@ -303,11 +303,8 @@ class Elasticity(Generic[Mesh]):
     def cell_material(self) -> Ints:
         """Number of each cell's material, shape (n_cells,)."""
         if isinstance(self.material, Mapping):
-            numbers = set_numbers(self.space.mesh, self.material, "material")
-        else:
-            numbers = np.zeros(self.space.mesh.n_cells, dtype=np.int64)
-        numbers.setflags(write=False)
-        return numbers
+            return frozen(set_numbers(self.space.mesh, self.material, "material"))
+        return frozen(np.zeros(self.space.mesh.n_cells, dtype=np.int64))
 
     @property
     def locking(self) -> str | None:

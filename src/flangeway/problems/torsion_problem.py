@@ -16,7 +16,7 @@ from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import edge_rule
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, frozen
 from flangeway.mesh.connectivity import first_connected, next_in_row
 from flangeway.mesh.mesh_checks import positive_by_cells
 from flangeway.problems.loads import edge_quadrature
@@ -54,9 +54,8 @@ def boundary_of(space: Space) -> SectionBoundary:
     offsets = rule.points - mesh.points.mean(axis=0)
     areas = np.bincount(labels, np.einsum("eq,eqi,eqi->e", rule.weights, offsets, rule.normals)) / 2.0
     holes = np.flatnonzero(areas <= 0.0)
-    hole_areas = -areas[holes]
-    hole_areas.setflags(write=False)
-    return SectionBoundary(pairs[areas[labels] > 0.0], tuple(pairs[labels == hole] for hole in holes), hole_areas)
+    around = tuple(pairs[labels == hole] for hole in holes)
+    return SectionBoundary(pairs[areas[labels] > 0.0], around, frozen(-areas[holes]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +106,7 @@ class Torsion:
     @cached_property
     def cell_moduli(self) -> Floats:
         """Shear modulus of each cell, shape (n_cells,)."""
-        moduli = positive_by_cells(self.space.mesh, "Torsion", "shear_modulus", self.shear_modulus)
-        moduli.setflags(write=False)
-        return moduli
+        return frozen(positive_by_cells(self.space.mesh, "Torsion", "shear_modulus", self.shear_modulus))
 
     @property
     def mean_modulus(self) -> float:

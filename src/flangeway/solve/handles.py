@@ -218,12 +218,14 @@ class Handles:
         self.starts: Ints = starts_of(counts)
         self.n = int(self.starts[-1])
         self._sizes = [self._size(members) for members in self._members]
-        self._units = np.ones(self.n)
-        for handle, components, size in zip(self._handles, self._slices(), self._sizes, strict=True):
-            if handle.turns:
-                self._units[components.stop - 1] = 1.0 / size
         solved = [SOLVED if handle.soft_motions == "solved" else 1.0 for handle in self._handles]
         self.lengths: Floats = np.repeat(self._sizes, counts)
+        # the last motion of a handle that turns
+        self._turns = np.zeros(self.n, dtype=np.bool_)
+        self._turns[[last - 1 for last, handle in zip(self.starts[1:], self._handles, strict=True) if handle.turns]] = (
+            True
+        )
+        self._units = np.where(self._turns, 1.0 / self.lengths, 1.0)
         self.sizes: Floats = self.lengths * np.repeat(solved, counts)
         self.numbers: Ints = np.repeat(np.arange(len(counts)), counts)
         self.load: Floats = self.forces(np.zeros(self.n))
@@ -272,11 +274,7 @@ class Handles:
 
     def without_turns(self, motions: Floats) -> Floats:
         """Motions (n,) without rotations."""
-        result = motions.copy()
-        for handle, components in zip(self._handles, self._slices(), strict=True):
-            if handle.turns:
-                result[components.stop - 1] = 0.0
-        return result
+        return np.where(self._turns, 0.0, motions)
 
     def placements(self, motions: Floats) -> tuple[Placement, ...]:
         """Placements after motions (n,), rotations scaled."""

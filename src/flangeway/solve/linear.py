@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError, SingularMatrixError
 from flangeway.checks import check_integer
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import max_magnitude
+from flangeway.geometry.arrays import frozen, max_magnitude
 from flangeway.problems import LinearBody
 from flangeway.solve.constraints import refuse_floating
 from flangeway.solve.status import Status
@@ -61,8 +61,7 @@ It is about the third power of height over length where a body bends.
 MAX_ZERO_ENERGY = 1e-7
 """Energy relative to the maximum entry, within which it counts as zero in an error about a stiffness."""
 
-NO_UNKNOWNS = np.empty(0, dtype=np.int32)
-NO_UNKNOWNS.setflags(write=False)
+NO_UNKNOWNS = frozen(np.empty(0, dtype=np.int32))
 
 
 def cholesky(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import point_text
+from flangeway.geometry.arrays import frozen, point_text
 from flangeway.mesh.connectivity import connected
 from flangeway.problems import ElasticField, Elasticity, PointForce, Pressure, Torsion, Traction
 from flangeway.problems.harmonic import Harmonic
@@ -352,9 +352,8 @@ def solve_torsion(problem: Torsion) -> TorsionSolution:
             "elements with a stabilisation on a mesh without clockwise or empty cells",
             "check the mesh with flangeway.mesh.check, and leave the element's stabilisation as published",
         ) from error
-    function.setflags(write=False)
-    hole_values.setflags(write=False)
-    return TorsionSolution(problem, status, function, problem.torsional_rigidity(function), hole_values)
+    rigidity = problem.torsional_rigidity(function)
+    return TorsionSolution(problem, status, frozen(function), rigidity, frozen(hole_values))
 
 
 def _torsion_solved(matrix: SymmetricMatrix, rhs: Floats) -> tuple[Floats, Status]:

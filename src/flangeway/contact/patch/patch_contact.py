@@ -368,9 +368,13 @@ class PatchPair:
     @cached_property
     def cells(self) -> tuple[SurfaceCells, SurfaceCells]:
         """The cells on the surfaces of the first and the second body, in the direction of each."""
-        bounds = ((self.first, self.grid.bounds), (self.second, self.gaps.others))
-        first, second = (self._cells(*ends) for ends in bounds)
+        first, second = (self._cells(*ends) for ends in self._bounds)
         return first, second
+
+    @property
+    def _bounds(self) -> tuple[tuple[PatchBody, Floats], tuple[PatchBody, Floats]]:
+        """Both bodies with the ends of the cells as lengths along their meshed surfaces."""
+        return (self.first, self.grid.bounds), (self.second, self.gaps.others)
 
     def _cells(self, body: PatchBody, bounds: Floats) -> SurfaceCells:
         if body.placement.mirrored:
@@ -397,7 +401,7 @@ class PatchPair:
 
     def backwards(self, which: int) -> bool:
         """Whether the cells of the first (0) or second (1) body's table run against those of the grid."""
-        body, bounds = ((self.first, self.grid.bounds), (self.second, self.gaps.others))[which]
+        body, bounds = self._bounds[which]
         return bool(bounds[-1] < bounds[0]) != body.placement.mirrored
 
     @cached_property

@@ -303,56 +303,69 @@ class _Step:
         wanted: tuple[float | None, float | None],
         tolerance: float,
     ) -> Rolling:
-        """The result for creepages; those of prescribed forces are found by Newton's method.
-
-        Forces fall with their creepages: one creepage is kept between those that are known to be too small and too
-        large. With two the error must fall; where it hardly does, as where everything slips at the first guess, they
-        start again from none. A loop of its own: one creepage has a bracket, and each force is itself the end of an
-        iteration.
-        """
+        """The result for creepages, those of prescribed forces found by `_under_forces`."""
         unknown = [number for number, force in enumerate(wanted) if force is not None]
+        if not unknown:
+            return self.result(motion, *self.solved(motion, start, tolerance))
         limit = float((self.contact.friction.limits[0][:, None] * self.contact.normal_forces).sum())
         target = np.array([wanted[number] for number in unknown], dtype=np.float64)
-        if unknown and not np.linalg.norm(target) < limit:
+        if not np.linalg.norm(target) < limit:
             raise InputError(
                 f"forces of {target.tolist()} by friction up to {limit:.6g}",
                 "forces below the limit of friction: beyond it everything slips, at any creepage",
                 "lower the forces, or give creepages",
             )
-        best = np.inf
-        change: Floats = np.zeros(len(unknown))
-        ends: Floats = np.array([-np.inf, np.inf])
-        finer = tolerance * (FINER if unknown else 1.0)
-        none = -np.array([np.mean(motion.along), np.mean(motion.across)])[unknown]
-        slow, failed, guessed = 0, 0, len(unknown) > 1
+        return self._under_forces(start, motion, unknown, target, limit, FINER * tolerance)
+
+    def _under_forces(
+        self,
+        start: Floats | None,
+        motion: Creepages,
+        unknown: list[int],
+        target: Floats,
+        limit: float,
+        tolerance: float,
+    ) -> Rolling:
+        """Creepages with prescribed forces, by Newton's method from those of the motion.
+
+        Forces fall with their creepages: one creepage is kept between those that are known to be too small and too
+        large. With two the error must fall: steps are halved. Where it hardly does, as where everything slips at the
+        first guess, they start again from no creepage. A loop of its own: one creepage has a bracket, and each force is
+        itself the end of an iteration.
+
+        - `unknown`: which of the creepages along and across, (n,); `target`: their forces, (n,).
+        - `limit`: of friction, the unit of errors.
+        """
+        one = len(unknown) == 1
+        best, slow, failed, guessed = np.inf, 0, 0, not one
+        change, bracket = np.zeros(len(unknown)), np.array([-np.inf, np.inf])
         for turn in range(MAX_TURNS):
             if failed > MAX_SLOW:
                 break
-            shift = np.zeros(2)
-            shift[unknown] = change
-            problem, state, status = self.solved(motion.moved(*shift), start, finer)
+            trial = motion.moved(*(change @ np.eye(2)[unknown]))
+            problem, state, status = self.solved(trial, start, tolerance)
             forces = self.outside(state.forces)
             missing = target - self.contact.resultants(forces)[unknown]
-            error = float(np.linalg.norm(missing)) / limit if unknown else 0.0
-            if len(unknown) == 1:
-                ends[int(missing[0] > 0.0)] = change[0]
+            error = float(np.linalg.norm(missing)) / limit
+            if one:
+                bracket[int(missing[0] > 0.0)] = change[0]
             slow += error > best / 2.0
             failed += not status.converged
             if error < best:
                 best, base, start = error, change, forces
-                rolling = self.result(motion.moved(*shift), problem, state, status)
+                rolling = self.result(trial, problem, state, status)
                 if error <= FORCE_ERROR:
                     return rolling
-                step = self._newton(problem, state, unknown, missing) / self.slope(motion.moved(*shift))
+                step = self._newton(problem, state, unknown, missing) / self.slope(trial)
             else:
-                step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
+                step = np.array([np.inf]) if one else step / 2.0
             change = base + step
             if guessed and slow > MAX_SLOW:
-                change, best, start, guessed = none, np.inf, None, False
-            if len(unknown) == 1 and not ends[0] < change[0] < ends[1]:
+                change = -np.array([np.mean(motion.along), np.mean(motion.across)])
+                best, start, guessed = np.inf, None, False
+            if one and not bracket[0] < change[0] < bracket[1]:
                 far = 4.0**turn * float((problem.limits / problem.operator.scale[:, 0]).max()) / self.distance
-                middle = ends[np.isfinite(ends)].mean()
-                change = np.full(1, float(np.where(np.isfinite(ends), ends, (middle - far, middle + far)).mean()))
+                change = np.array([_middle(bracket, far)])
         message = f"{rolling.status.message}; the prescribed forces are missed by {best:.1e} of the limit"
         return replace(rolling, status=Status(False, message, rolling.status.iterations))
 
@@ -432,6 +445,12 @@ class _Step:
             problem=problem,
             state=state,
         )
+
+
+def _middle(bracket: Floats, far: float) -> float:
+    """Middle of a bracket, one of whose ends may be infinite: a distance ``far`` from the other one instead."""
+    known = np.isfinite(bracket)
+    return float(np.where(known, bracket, bracket[known].mean() + far * np.array([-1.0, 1.0])).mean())
 
 
 def _forces(rolling: Rolling | Start) -> Floats:

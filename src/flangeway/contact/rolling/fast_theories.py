@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
     return _closed_form("linear theory", contact, motion, ellipse, (x, y, moment), notices)
 
 
-def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0, slip: float = 1.0) -> PolachForces:
+def polach(contact: RollingContact, motion: Creepages) -> PolachForces:
     """Polach's formula (1999, Vehicle System Dynamics 33 supplement; 2005, Wear 258).
 
     Range: one patch that is nearly an ellipse, any creepages; the force is within about 5 % of the limit of friction of
@@ -67,15 +67,11 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     ----------
     contact, motion
         The patch and its motion.
-    adhesion, slip
-        Reductions of the initial slope in the areas of stick and slip (2005): ``0 < k_S <= k_A <= 1``; they multiply
-        that of `Friction.slope`, which all theories have.
 
     Raises
     ------
     InputError
-        If the motion is a shift, the reductions are not as above, or friction falls with temperature, which needs
-        tractions.
+        If the motion is a shift, or friction falls with temperature, which needs tractions.
 
     """
     if contact.friction.by_temperature:
@@ -84,8 +80,6 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
             "a theory with tractions: exact, FASTSIM or FaStrip",
             "take one of these, or let friction fall with the slip velocity",
         )
-    if not (are_finite((slip, adhesion), 2) and 0.0 < slip <= adhesion <= 1.0):
-        raise InputError(f"adhesion={adhesion}, slip={slip}", "0 < slip <= adhesion <= 1", "exchange or correct them")
     ellipse = EllipticContact.of(contact, motion)
     c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
     creep, lateral = np.hypot(ellipse.xi, ellipse.eta), ellipse.lateral
@@ -98,8 +92,7 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     if whole > 0.0 and limit > 0.0:
         stiffness = np.hypot(c.c11 * ellipse.xi, c.c22 * ellipse.eta) / creep if creep > 0.0 else c.c22
         gradient = np.pi * ellipse.unit * stiffness * whole / (4.0 * limit)
-        ahead = adhesion * gradient
-        force = -2.0 * limit / np.pi * (ahead / (1.0 + ahead**2) + np.arctan(slip * gradient))
+        force = -2.0 * limit / np.pi * (gradient / (1.0 + gradient**2) + np.arctan(gradient))
         spread = 1.0 + 6.3 * (1.0 - np.exp(-a / b))
         turning = 8.0 * ellipse.shear * b * np.sqrt(a * b) * c.c23 * abs(lateral) / (3.0 * limit * spread)
         delta = (turning**2 - 1.0) / (turning**2 + 1.0)
@@ -120,16 +113,22 @@ def _closed_form(
     resultant: tuple[float, float, float],
     notices: tuple[str, ...] = (),
 ) -> CreepForces:
-    along, across, moment = ellipse.forces(*resultant).tolist()
-    return CreepForces(
-        motion=motion,
-        along=along,
-        across=across,
-        moment=moment,
-        theory=theory,
-        status=Status(True, "closed form", 0),
-        notices=(*motion.notices, *contact.notices, *notices),
-    )
+    status = Status(True, "closed form", 0)
+    return CreepForces(**_resultants(theory, contact, motion, ellipse, resultant, notices), status=status)
+
+
+def _resultants(
+    theory: str,
+    contact: RollingContact,
+    motion: Creepages,
+    ellipse: EllipticContact,
+    resultant: tuple[float, float, float],
+    notices: tuple[str, ...] = (),
+) -> dict[str, Any]:
+    """What all theories have, by resultants in Kalker's axes: see `CreepForces`."""
+    forces = zip(("along", "across", "moment"), ellipse.forces(*resultant).tolist(), strict=True)
+    notices = *motion.notices, *contact.notices, *notices
+    return {"theory": theory, "motion": motion, "notices": notices, **dict(forces)}
 
 
 # --- FASTSIM and FaStrip: tractions of an ellipse, strip by strip from the leading to the trailing edge.
@@ -485,20 +484,10 @@ def _record(
     ellipse, strips = places
     forces, n_steps = strips.forces(nodes[0]), len(strips.x) - 1
     moment = np.sum(strips.x[1:-1] * forces[:, 1] - strips.y * forces[:, 0])
-    along, across, spin = ellipse.forces(float(forces[:, 0].sum()), float(forces[:, 1].sum()), float(moment)).tolist()
-    return SimplifiedRolling(
-        motion=motion,
-        along=along,
-        across=across,
-        moment=spin,
-        theory=theory,
-        status=Status(True, f"{np.count_nonzero(strips.half)} strips of {n_steps} steps", n_steps),
-        notices=(*motion.notices, *contact.notices),
-        contact=contact,
-        ellipse=ellipse,
-        strips=strips,
-        nodes=nodes,
-    )
+    resultant = float(forces[:, 0].sum()), float(forces[:, 1].sum()), float(moment)
+    common = _resultants(theory, contact, motion, ellipse, resultant)
+    status = Status(True, f"{np.count_nonzero(strips.half)} strips of {n_steps} steps", n_steps)
+    return SimplifiedRolling(**common, status=status, contact=contact, ellipse=ellipse, strips=strips, nodes=nodes)
 
 
 # --- The theories of rolling with friction by name: the exact one and the fast ones.
