@@ -41,9 +41,14 @@ def solve(matrices: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
     return solve_upper(factor, solve_lower(factor, rhs, out), out)
 
 
+def _room(factor: Floats, rhs: Floats, out: Floats | None) -> Floats:
+    """Array for solutions (n, m, n_cells)."""
+    return np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
+
+
 def solve_lower(factor: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
     """Solve ``L x = rhs`` with factors of `cholesky`; arguments and result as of `solve`."""
-    x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
+    x = _room(factor, rhs, out)
     x[:] = rhs
     for j in range(len(factor)):
         if j:
@@ -54,7 +59,7 @@ def solve_lower(factor: Floats, rhs: Floats, out: Floats | None = None) -> Float
 
 def solve_upper(factor: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
     """Solve ``L^T x = rhs``, in the same way; `out` may be `rhs`."""
-    x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
+    x = _room(factor, rhs, out)
     if x is not rhs:
         x[:] = rhs
     for j in reversed(range(len(factor))):

@@ -7,23 +7,21 @@ import shapely
 from scipy.special import roots_jacobi
 
 from flangeway.elements.batched import cross
+from flangeway.geometry.arrays import frozen
 from flangeway.types import Floats, Ints
 
 # --- Quadrature on the unit interval and on triangles.
 
 
-def _read_only(*arrays: Floats) -> tuple[Floats, ...]:
-    for array in arrays:
-        array.setflags(write=False)
-    return arrays
+def _from_zero_to_one(points: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """Read-only points and weights of a rule on [-1, 1], taken to [0, 1]."""
+    return frozen((points + 1.0) / 2.0), frozen(weights / 2.0)
 
 
 @cache
 def gauss(n_points: int) -> tuple[Floats, Floats]:
     """Gauss-Legendre points and weights on [0, 1], exact to degree ``2 n_points - 1``."""
-    points, weights = np.polynomial.legendre.leggauss(n_points)
-    points, weights = _read_only((points + 1.0) / 2.0, weights / 2.0)
-    return points, weights
+    return _from_zero_to_one(*np.polynomial.legendre.leggauss(n_points))
 
 
 @cache
@@ -38,9 +36,7 @@ def gauss_lobatto(n_points: int) -> tuple[Floats, Floats]:
     inner = roots_jacobi(n_points - 2, 1.0, 1.0)[0] if n_points > 2 else np.empty(0)
     points = np.concatenate(([-1.0], inner, [1.0]))
     legendre = np.polynomial.legendre.Legendre.basis(n_points - 1)(points)
-    weights = 2.0 / (n_points * (n_points - 1) * legendre**2)
-    points, weights = _read_only((points + 1.0) / 2.0, weights / 2.0)
-    return points, weights
+    return _from_zero_to_one(points, 2.0 / (n_points * (n_points - 1) * legendre**2))
 
 
 @cache
@@ -60,9 +56,7 @@ def triangle(degree: int) -> tuple[Floats, Floats]:
     v, v_weights = roots_jacobi(n_points, 1.0, 0.0)
     v, v_weights = (v + 1.0) / 2.0, v_weights / 4.0
     points = np.stack((np.outer(u, 1.0 - v).ravel(), np.broadcast_to(v, (n_points, n_points)).ravel()), axis=1)
-    weights = np.outer(u_weights, v_weights).ravel()
-    points, weights = _read_only(points, weights)
-    return points, weights
+    return frozen(points), frozen(np.outer(u_weights, v_weights).ravel())
 
 
 def edge_unknowns(order: int, n_vertices: int) -> Ints:
@@ -95,8 +89,7 @@ def edge_rule(order: int, n_points: int) -> tuple[Floats, Floats, Floats]:
     derivatives = factors / factors[:, None] / apart
     np.fill_diagonal(derivatives, 0.0)
     np.fill_diagonal(derivatives, -derivatives.sum(axis=1))
-    weights, shapes, slopes = _read_only(weights, shapes, shapes @ derivatives)
-    return weights, shapes, slopes
+    return weights, frozen(shapes), frozen(shapes @ derivatives)
 
 
 # --- Quadrature on simple polygons, convex or not, and on cells with curved edges.
@@ -138,8 +131,12 @@ def polygon_quadrature(vertices: Floats, degree: int) -> tuple[Floats, Floats]:
     barycentric = np.column_stack((1.0 - points.sum(axis=1), points))
     at = np.einsum("qc,tcie->tqie", barycentric, corners)
     weighted = weights[:, None] * _doubled_areas(corners)[:, None]
-    n_cells = vertices.shape[-1]
-    return at.reshape(-1, 2, n_cells), weighted.reshape(-1, n_cells)
+    return _by_cells(at, weighted)
+
+
+def _by_cells(points: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """Points (..., 2, n_cells) and weights (..., n_cells) one after the other, (n, 2, n_cells) and (n, n_cells)."""
+    return points.reshape(-1, *points.shape[-2:]), weights.reshape(-1, weights.shape[-1])
 
 
 def edge_points(outline: Floats) -> Floats:
@@ -170,8 +167,7 @@ def _between(base: Floats, nodes: Floats, degree: int) -> tuple[Floats, Floats]:
     r = across[:, None, None, None, None]
     points, along, step = start + r * (end - start), start_along + r * (end_along - start_along), end - start
     areas = cross(step, along) * across_weights[:, None, None, None] * weights[:, None]
-    n_cells = nodes.shape[-1]
-    return points.reshape(-1, 2, n_cells), areas.reshape(-1, n_cells)
+    return _by_cells(points, areas)
 
 
 def _doubled_areas(corners: Floats) -> Floats:

@@ -155,6 +155,11 @@ def components_of(nodes: Ints, dimension: int = 2) -> Ints:
     return dimension * nodes[..., None] + np.arange(dimension)
 
 
+def vectors_at(at: Floats | float, stations: Floats, vectors: Floats) -> Floats:
+    """Return vectors (..., d) at places (...), linear between those (n, d) at stations (n,), rising."""
+    return np.stack([np.interp(at, stations, component) for component in vectors.T], axis=-1)
+
+
 def chain_points(edges: NDArray[Any]) -> NDArray[Any]:
     """Return the points along edges (n, k) that follow each other."""
     return np.append(edges[:, :-1], edges[-1, -1])

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, Point, as_points, box_about, norms, point_text
+from flangeway.geometry.arrays import IntArray, Point, as_point, as_points, box_about, norms, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Line, Segment, first_crossing, halved
 from flangeway.types import Bools, Floats
@@ -354,8 +354,7 @@ class Outline(Contour):
         """Centroid of the region, exact for lines and arcs."""
         points, normals = self._gauss
         local = points - self._middle
-        first = 0.5 * np.sum(local**2 * normals, axis=0) / self.area + self._middle
-        return float(first[0]), float(first[1])
+        return as_point(0.5 * np.sum(local**2 * normals, axis=0) / self.area + self._middle)
 
     @cached_property
     def second_moments(self) -> tuple[float, float, float]:

@@ -15,6 +15,7 @@ from flangeway.geometry.arrays import (
     point_text,
     sides_of,
     steps_around,
+    vectors_at,
 )
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
@@ -123,7 +124,7 @@ def _notches(corners: Floats) -> Bools:
         sides = []
         for shift in (reach, -reach):
             at = (along[i] + shift) % along[-1]
-            sides.append([np.interp(at, along, closed[:, axis]) for axis in range(2)] - corners[i])
+            sides.append(vectors_at(at, along, closed) - corners[i])
         result[i] = _angle(*sides) > NOTCH_ANGLE
     return result
 

@@ -252,8 +252,7 @@ def gmsh_model(options: Mapping[str, float]) -> Iterator[Any]:
         before = {} if owner else {option: gmsh.option.getNumber(option) for option in options}
         current = None if owner else gmsh.model.getCurrent()
         try:
-            for option, value in options.items():
-                gmsh.option.setNumber(option, value)
+            _set(gmsh, options)
             gmsh.model.add("flangeway")
             try:
                 yield gmsh
@@ -263,9 +262,13 @@ def gmsh_model(options: Mapping[str, float]) -> Iterator[Any]:
             if owner:
                 gmsh.finalize()
             else:
-                for option, value in before.items():
-                    gmsh.option.setNumber(option, value)
+                _set(gmsh, before)
                 gmsh.model.setCurrent(current)
+
+
+def _set(gmsh: Any, options: Mapping[str, float]) -> None:
+    for option, value in options.items():
+        gmsh.option.setNumber(option, value)
 
 
 def _generate(gmsh: Any, kernel: Any, size: float, refinements: Sequence[Refinement]) -> None:

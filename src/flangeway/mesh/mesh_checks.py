@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 from weakref import WeakSet
 
 import numpy as np
@@ -453,6 +454,11 @@ def positive_by_cells(mesh: PolyMesh, owner: str, name: str, given: float | Mapp
         return np.full(mesh.n_cells, check_positive(owner, name, given))
     values = [check_positive(owner, f"{name} of {key}", value) for key, value in given.items()]
     return np.array(values)[set_numbers(mesh, given, name.replace("_", " "))]
+
+
+def items_by_cells(given: Any) -> tuple[Any, ...]:
+    """Return what a user gives for the cells: one item for all, or those of named cell sets."""
+    return tuple(given.values()) if isinstance(given, Mapping) else (given,)
 
 
 def set_numbers(mesh: PolyMesh | PolyhedralMesh, names: Iterable[str], what: str) -> Ints:

@@ -9,7 +9,7 @@ from flangeway.contact import Contact, ContactState, ContactSystem, NodeToNode, 
 from flangeway.contact.force_errors import contact_regions
 from flangeway.contact.pairs import Constraints
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chain_lengths, max_magnitude, norms, sums_at
+from flangeway.geometry.arrays import as_point, chain_lengths, max_magnitude, norms, sums_at
 from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.results import Result, ResultTable
 from flangeway.space.symmetric import EPS
@@ -333,7 +333,7 @@ def _corner_in(contact: Contact, region: Floats, positions: tuple[Floats, Floats
         for corner in own:
             to_region, to_others = (norms(points - corner).min(initial=np.inf) for points in (region, other))
             if to_region <= length and to_others > length / 2.0:
-                return float(corner[0]), float(corner[1])
+                return as_point(corner)
     return None
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from flangeway.checks import check_between
 from flangeway.elements import Lagrange
+from flangeway.geometry.arrays import as_point
 from flangeway.problems import Torsion
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
@@ -123,23 +124,19 @@ def section_constants(
     offset = poisson * sums.poisson_terms / (2.0 * (1.0 + poisson) * determinant)
     return SectionConstants(
         area=float(space.mesh.cell_areas.sum()),
-        centroid=_pair(problem.centre),
+        centroid=as_point(problem.centre),
         second_moments=(ixx, iyy, ixy),
         torsion_bounds=(prandtl.torsion_constant, warping.torsion_constant),
         bounds_certain=all(
             isinstance(batch.element, Lagrange) or (space.order == 1 and len(batch.vertices) == 3)
             for batch in space.batches()
         ),
-        shear_centre_trefftz=_pair(problem.centre + trefftz),
-        shear_centre=_pair(problem.centre + trefftz + offset),
+        shear_centre_trefftz=as_point(problem.centre + trefftz),
+        shear_centre=as_point(problem.centre + trefftz + offset),
         warping_constant=float(constant),
         warping=warping,
         prandtl=prandtl,
     )
-
-
-def _pair(values: Floats) -> Pair:
-    return float(values[0]), float(values[1])
 
 
 @dataclass(frozen=True, eq=False)

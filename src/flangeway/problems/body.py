@@ -15,6 +15,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, Point
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.mesh_checks import items_by_cells
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.loads import Spring
 from flangeway.problems.stiffness_body import LinearBody, RigidFreedom, StiffnessBody
@@ -72,7 +73,7 @@ class Body(LinearBody):
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
-        for material in self.material.values() if isinstance(self.material, Mapping) else (self.material,):
+        for material in items_by_cells(self.material):
             check_kind(
                 "Body", "material", material, Material, "a material, or one by each cell set", "write Elastic(...)"
             )
@@ -158,8 +159,8 @@ class Body(LinearBody):
     @property
     def hypothesis(self) -> str | None:
         """See `LinearBody.hypothesis`."""
-        materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
-        return next(iter(materials)).hypothesis
+        hypothesis: str = items_by_cells(self.material)[0].hypothesis
+        return hypothesis
 
     @property
     def held_by(self) -> str:

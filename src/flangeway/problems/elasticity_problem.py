@@ -16,7 +16,7 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import ROUGH_ANGLE, chords_of, facet_depths, frozen, norms, point_text, steps_around
 from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
-from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.mesh.mesh_checks import items_by_cells, set_numbers
 from flangeway.problems.loads import (
     AppliedLoad,
     PrescribedDisplacement,
@@ -297,7 +297,7 @@ class Elasticity(Generic[Mesh]):
     @property
     def materials(self) -> tuple[Material, ...]:
         """The materials."""
-        return tuple(self.material.values()) if isinstance(self.material, Mapping) else (self.material,)
+        return items_by_cells(self.material)
 
     @cached_property
     def cell_material(self) -> Ints:

@@ -17,13 +17,14 @@ Tangents leave out how t changes: the residual, which has the current t, then fa
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from flangeway.elements import Reconstruction, monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import NonlinearMaterial
-from flangeway.mesh.mesh_checks import set_numbers
+from flangeway.mesh.mesh_checks import items_by_cells
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.loads import PrescribedDisplacement, RigidHandle, Support
@@ -119,6 +120,10 @@ class _Points:
     shear: Floats  # twice the elastic shear modulus of each point, (q * e,)
     stabilisation: Floats | None  # of the elastic material, (m, m, e)
 
+    def gradient(self, displacements: Floats) -> Floats:
+        """Gradients (q * e, 2, 2) of displacements (m, e, 2)."""
+        return np.einsum("xqme,mei->qeix", self.slopes, displacements, optimize=True).reshape(-1, 2, 2)
+
     def mean(self, values: Floats) -> Floats:
         """Means over the cells of values at points (q * e,), shape (e,)."""
         result: Floats = (self.weights * values.reshape(self.weights.shape)).sum(axis=0) / self.weights.sum(axis=0)
@@ -143,7 +148,7 @@ class NonlinearBody:
     """
 
     def __init__(self, problem: Elasticity, material: MaterialByCells) -> None:
-        self.materials = list(material.values()) if isinstance(material, Mapping) else [material]
+        self.materials = items_by_cells(material)
         if not all(isinstance(material, NonlinearMaterial) for material in self.materials):
             raise InputError(f"the material {short(material)}", "a NonlinearMaterial", "make a J2Plasticity, ...")
         if problem.materials[0].hypothesis != "plane_strain" or problem.thermal_loads:
@@ -152,14 +157,12 @@ class NonlinearBody:
                 "plane strain, without changes of temperature",
                 "make the Elasticity problem with the elasticity of the material",
             )
-        mesh = problem.space.mesh
-        elastic = (
-            {name: nonlinear.elastic for name, nonlinear in material.items()} if isinstance(material, Mapping) else None
-        )
-        self.problem = replace(problem, material=elastic or self.materials[0].elastic)
-        numbers = set_numbers(mesh, material, "material") if isinstance(material, Mapping) else np.zeros(mesh.n_cells)
+        elastic: Any = [nonlinear.elastic for nonlinear in self.materials]
+        elastic = dict(zip(material, elastic, strict=True)) if isinstance(material, Mapping) else elastic[0]
+        self.problem = replace(problem, material=elastic)
+        numbers = self.problem.cell_material
         self.n_history = max(material.n_history for material in self.materials)
-        self._points = [self._batch_points(batch, numbers.astype(int)) for batch in problem.space.batches()]
+        self._points = [self._batch_points(batch, numbers) for batch in problem.space.batches()]
 
     def _batch_points(self, batch: CellBatch, numbers: np.ndarray) -> _Points:
         reconstruction = batch.reconstruction
@@ -222,7 +225,7 @@ class NonlinearBody:
         local = displacements[part.batch.dofs]
         # a translation, which has no gradient, would cost digits
         local = local - part.reconstruction.monomial_dofs[:, 0, :, None] * local[0]
-        gradient = np.einsum("xqme,mei->qeix", part.slopes, local, optimize=True).reshape(-1, 2, 2)
+        gradient = part.gradient(local)
         stress, tangent, after = np.empty_like(gradient), np.empty((len(gradient), 2, 2, 2, 2)), history.copy()
         for number, material in enumerate(self.materials):
             rows = np.flatnonzero(part.numbers == number)
@@ -247,7 +250,7 @@ class NonlinearBody:
         part, shear = self._points[number], state.moduli[number]
         assert part.stabilisation is not None
         local = (displacements - state.displacements)[part.batch.dofs]
-        gradient = np.einsum("xqme,mei->qeix", part.slopes, local, optimize=True).reshape(-1, 2, 2)
+        gradient = part.gradient(local)
         deviator, strain = (np.einsum("aij,nij->na", DEVIATORS, tensor) for tensor in (stress, gradient))
         trial = state.deviators[number] + shear[:, None] * strain
         regular = part.shear * np.hypot(MIN_STRAIN, VOLUME_WEIGHT * np.trace(gradient, axis1=1, axis2=2))

@@ -270,7 +270,7 @@ class Handles:
         for handle, components in zip(self._handles, self._slices(), strict=True):
             if handle.stiffness is not None:
                 result[components, components] = handle.stiffness
-        return result * self._units * self._units[:, None]
+        return result * np.outer(self._units, self._units)
 
     def without_turns(self, motions: Floats) -> Floats:
         """Motions (n,) without rotations."""
@@ -328,7 +328,7 @@ class Handles:
             result[components, components] = handle.tangent(motion)
             if handle.turns:
                 result[components.stop - 1, components.stop - 1] += self._resultant(handle, members, motion)[3]
-        return result * self._units * self._units[:, None]
+        return result * np.outer(self._units, self._units)
 
     def residual(self, motions: Floats, positions: Floats, forces: Floats) -> Floats:
         """What is left of the forces (n_nodes, 2), the loads and the springs, along the motions, shape (n,)."""

@@ -16,7 +16,7 @@ from flangeway._core import NotPositiveDefiniteError, n_threads
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.exact import half_space_blocks
-from flangeway.geometry.arrays import chain_lengths, chain_points, components_of, longest_step, middles_of
+from flangeway.geometry.arrays import chain_lengths, chain_points, components_of, longest_step, middles_of, vectors_at
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
@@ -222,7 +222,7 @@ class SurfaceCells:
     @cached_property
     def ends(self) -> Floats:
         """Ends of the cells, shape (n_cells + 1, 2)."""
-        return np.stack([np.interp(self.limits, self._stations, coordinate) for coordinate in self.chain.T], axis=1)
+        return vectors_at(self.limits, self._stations, self.chain)
 
     @cached_property
     def widths(self) -> Floats:

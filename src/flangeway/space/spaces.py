@@ -17,7 +17,7 @@ from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.geometry.arrays import IntArray
 from flangeway.mesh import PolyhedralMesh, PolyMesh, check, check_polyhedra
 from flangeway.mesh.connectivity import entries_of
-from flangeway.mesh.mesh_checks import check_curved_cells, set_numbers
+from flangeway.mesh.mesh_checks import check_curved_cells, items_by_cells, set_numbers
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Bools, Floats, Indices, Ints
@@ -189,7 +189,7 @@ class Space(Generic[Mesh]):
     def _regions(self) -> tuple[tuple[Element, Ints], ...]:
         if isinstance(self.element, Element):
             return ((self.element, np.arange(self.mesh.n_cells)),)
-        elements = list(self.element.values()) if isinstance(self.element, Mapping) else [self.element]
+        elements = items_by_cells(self.element)
         if not elements or not all(isinstance(element, Element) for element in elements):
             raise InputError(
                 f"Space(mesh, {short(self.element)})",

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.ndimage
+from numpy.typing import NDArray
 
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.errors import InputError
@@ -18,6 +20,7 @@ from flangeway.geometry.arrays import (
     norms,
     turned_right,
     units_of,
+    vectors_at,
 )
 from flangeway.problems import Harmonic
 from flangeway.types import Bools, Floats, Ints
@@ -119,7 +122,7 @@ class PatchBody:
         if not isinstance(name, str):
             mesh, name = mesh.with_edge_set("contact surface", name), "contact surface"
         chain = mesh.chain(name).astype(np.int64)
-        return np.stack((chain[:-1], chain[1:]), axis=1)
+        return pairs_of(chain)
 
     @cached_property
     def chain(self) -> Floats:
@@ -175,12 +178,11 @@ class PatchBody:
 def points_along(chain: Floats, stations: Floats) -> tuple[Floats, Floats]:
     """Points and outward unit normals of a chain, body on its left, at lengths along it, each (n, 2)."""
     chords, ends = np.diff(chain, axis=0), chain_lengths(chain)
-    points = np.stack([np.interp(stations, ends, chain[:, axis]) for axis in range(2)], axis=1)
+    points = vectors_at(stations, ends, chain)
     # normals of the edges belong to their middles, between which they turn
     middles = middles_of(ends)
     normals = turned_right(chords) / np.diff(ends)[:, None]
-    normals_at = np.stack([np.interp(stations, middles, normals[:, axis]) for axis in range(2)], axis=1)
-    return points, units_of(normals_at)
+    return points, units_of(vectors_at(stations, middles, normals))
 
 
 def cast(points: Floats, normals: Floats, chain: Floats) -> tuple[Floats, Floats]:
@@ -324,8 +326,8 @@ class PatchGrid:
         )
 
 
-def pairs_of(bounds: Floats) -> Floats:
-    """Both ends of each interval between neighbouring ones of bounds (n + 1,), shape (n, 2)."""
+def pairs_of(bounds: NDArray[Any]) -> NDArray[Any]:
+    """Both ends of each interval between neighbours in order (n + 1,), shape (n, 2)."""
     return np.stack((bounds[:-1], bounds[1:]), axis=1)
 
 
