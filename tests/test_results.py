@@ -20,10 +20,12 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
+from flangeway.mesh.polyhedral_mesh import PolyhedralMesh
 from flangeway.post import adapt, pressure_patches, recovered_stresses, stresses_along
 from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
+from flangeway.railway.profiles import bundled
 from flangeway.report.case_outputs import case_record
-from flangeway.results import Result, ResultTable
+from flangeway.results import Result, ResultTable, Shown
 from flangeway.solve import solve_elasticity, solve_torsion
 from flangeway.space import Space
 
@@ -80,7 +82,7 @@ def test_a_result_shows_itself(name, tmp_path):
     found = result(name)
     text = repr(found)
     assert text.startswith(type(found).__name__)
-    assert len(text) < 400
+    assert len(text) < 200
     assert "\n" not in text
     table = found.table
     assert len(table) > 0
@@ -107,6 +109,51 @@ def test_a_result_shows_itself(name, tmp_path):
 def test_a_result_draws_itself(name):
     """Its picture is a figure that notebooks show."""
     assert result(name).plot()._repr_png_().startswith(PNG)
+
+
+@cache
+def wheelset():
+    """A coarse wheelset on its rails."""
+    return load_case("wheelset", size_scale=4.0, patch_cells=12).run().result
+
+
+MADE = {
+    "wheel": lambda: bundled.wheel("S1002"),
+    "rail": lambda: bundled.rail("60E1"),
+    "mesh": lambda: dual(rectangle_grid(3.0, 1.0, 6, 3)),
+    "mesh in space": lambda: PolyhedralMesh.voronoi(np.random.default_rng(0).random((8, 3)), (0, 0, 0, 1, 1, 1)),
+    "problem": lambda: result("elasticity").problem,
+    "wheelset": wheelset,
+    "patch": lambda: wheelset().patches[0],
+}
+"""What holds many numbers, and is no result of a command."""
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_what_holds_many_numbers_has_a_short_text_and_a_picture(name):
+    """Profiles, meshes, problems, wheelsets and patches are one line in a console, and draw themselves."""
+    found = MADE[name]()
+    assert repr(found).startswith(type(found).__name__)
+    assert len(repr(found)) < 200
+    assert found.plot()._repr_png_().startswith(PNG)
+
+
+def test_a_picture_of_a_patch_has_its_pressures():
+    """The cells that are drawn have the pressures of the patch, between the bounds of its cells."""
+    patch = wheelset().patches[0]
+    axes = patch.plot().axes[0]
+    (drawn,) = axes.collections
+    assert np.asarray(drawn.get_array()).ravel() == pytest.approx(patch.cells.pressures.T.ravel())
+    assert np.ptp(drawn.get_coordinates()[..., 0]) == pytest.approx(np.ptp(patch.cells.grid.bounds))
+
+
+def test_the_text_of_inputs_has_what_was_changed():
+    """A record shows the inputs that are not the defaults, as Python makes it."""
+    curve = {"load.curve.radius_m": 300.0, "load.curve.speed_km_h": 60.0}
+    case = load_case("wheelset", lateral_mm=3.0, **curve)
+    assert repr(case) == (
+        "Wheelset(load=Load(curve=Curve(radius_m=300.0, speed_km_h=60.0)), position=Position(lateral_mm=3.0))"
+    )
 
 
 def test_options_reach_the_picture():
@@ -137,7 +184,7 @@ def test_every_result_is_a_dataclass_with_a_short_text():
         kinds += kind.__subclasses__()
     assert {GeometryRun, ConicityRun, SectionRun} <= set(kinds)
     for kind in kinds[1:]:
-        assert kind.__repr__ is Result.__repr__
+        assert kind.__repr__ is Shown.__repr__
         assert dataclasses.is_dataclass(kind) or kind.__subclasses__()
 
 

@@ -47,6 +47,7 @@ from pydantic_core import core_schema
 
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
+from flangeway.system.disk_cache import content_key
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
 from flangeway.units import Units, UsUnit, metric_key, same_quantity, us_key
@@ -205,6 +206,10 @@ class Record(_Base):
                 raise refused_by_check(f"{key} without {other}", "both, or none", f"give {other}, or leave {key} out")
         return self
 
+    def __repr_args__(self) -> Iterable[tuple[str | None, Any]]:
+        """Inputs that the text of a record has: those that are not the defaults."""
+        return [(key, getattr(self, key)) for key in self.changed]
+
     @property
     def written(self) -> dict[str, Any]:
         """Inputs that were given, as they are, and the kind of one of several."""
@@ -254,8 +259,9 @@ class ByInstance:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, _source: Any, _handler: Any) -> core_schema.CoreSchema:
-        """Only an instance is accepted; written out, it is its text."""
-        return core_schema.is_instance_schema(cls, serialization=core_schema.to_string_ser_schema())
+        """Only an instance is accepted; written out, it is the key of its content."""
+        written = core_schema.plain_serializer_function_ser_schema(lambda value: content_key(cls.__name__, value) or "")
+        return core_schema.is_instance_schema(cls, serialization=written)
 
 
 # --- What fields accept: alternatives of their types, kinds of records, and both in words.

@@ -17,6 +17,8 @@ from flangeway.units import Units, us_key
 from flangeway.views import views
 
 SHOWN_ROWS = 12
+MAX_TEXT = 150
+"""Letters of the text between the brackets: one line of a terminal or two."""
 LETTERS = "xyz"
 UNIT = re.compile(r"_(?:mm\d?|m|MPa|N|kN|deg|rad|mrad)$")
 
@@ -117,23 +119,34 @@ class ResultTable:
         return pandas.DataFrame({name: _plain(values) for name, values in self.columns.items()})
 
 
-class Result:
-    """What a computation returns: its text is one line, its table numbers, its picture what it is about."""
+class Shown:
+    """What has many numbers in it: its text is one line, its picture what it is about."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         if "__repr__" not in cls.__dict__:
-            cls.__repr__ = Result.__repr__  # type: ignore[method-assign]  # before a dataclass makes its own
+            cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # before a dataclass makes its own
+
+    def __repr__(self) -> str:
+        names = getattr(self, "__dataclass_fields__", {})  # not what is cached beside them
+        words = ", ".join(f"{name}={_word(getattr(self, name))}" for name in names)
+        return f"{type(self).__name__}({words if len(words) <= MAX_TEXT else f'{words[:MAX_TEXT]}…'})"
+
+    def plot(self, **options: Any) -> Any:
+        """Draw it, and return the figure, which notebooks show; `savefig` writes it.
+
+        - `options`: those of the function that draws it, see `flangeway.report.plot_result`.
+        """
+        return views().plot_result(self, **options)
+
+
+class Result(Shown):
+    """What a computation returns; its table has the numbers."""
 
     @property
     def table(self) -> ResultTable:
         """Its numbers."""
         raise NotImplementedError
-
-    def __repr__(self) -> str:
-        names = getattr(self, "__dataclass_fields__", {})  # not what is cached beside them
-        words = [f"{name}={_word(getattr(self, name))}" for name in names]
-        return f"{type(self).__name__}({', '.join(words)})"
 
     def _repr_html_(self) -> str:
         case = getattr(self, "case", None)  # runs of cases show what the command prints
@@ -147,13 +160,6 @@ class Result:
     def to_csv(self, path: str | Path) -> None:
         """Write its table as CSV, which spreadsheets open."""
         self.table.to_csv(path)
-
-    def plot(self, **options: Any) -> Any:
-        """Draw it, and return the figure, which notebooks show; `savefig` writes it.
-
-        - `options`: those of the function that draws it, see `flangeway.report.plot_result`.
-        """
-        return views().plot_result(self, **options)
 
 
 def _flat(

@@ -98,8 +98,8 @@ def test_a_prescribed_motion_is_not_in_equilibrium():
         ),
         (
             "rolling-patch",
-            {"cells_along": 10, "cells_across": 10},
-            {"cells_along": 20, "cells_across": 20},
+            {"patch.cells_along": 10, "patch.cells_across": 10},
+            {"patch.cells_along": 20, "patch.cells_across": 20},
             "longitudinal_force_kN",
             0.03,
         ),

@@ -5,17 +5,21 @@ import subprocess
 import sys
 import time
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from flangeway.cases import Wheelset
+from flangeway.cases.case_file import case_content, hash_of
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.geometry import rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import triangulate
 from flangeway.problems import Body
+from flangeway.railway.profiles import bundled
 from flangeway.solve import CondensedBodies, SurfaceNodes
 from flangeway.system import disk_cache as cache_module
 from flangeway.system.disk_cache import Cache, CacheWarning, content_key
@@ -149,6 +153,20 @@ def test_a_key_changes_with_content_and_version(monkeypatch: pytest.MonkeyPatch)
     keys.add(content_key("kind", values, 1.0))
     assert len(keys) == 8
     assert None not in keys
+
+
+def test_a_key_follows_what_records_hold_and_not_their_text() -> None:
+    """Profiles whose outlines differ in the last digit have different keys, though their texts are equal."""
+    wheel = bundled.wheel("S1002")
+    first, *others = wheel.outline.segments
+    moved = replace(first, end=(first.end[0], np.nextafter(first.end[1], 1.0)))
+    second = replace(others[0], start=moved.end)
+    other = replace(wheel, outline=replace(wheel.outline, segments=(moved, second, *others[1:])))
+    assert repr(wheel) == repr(other)
+    assert content_key("kind", wheel) == content_key("kind", bundled.wheel("S1002"))
+    assert content_key("kind", wheel) != content_key("kind", other)
+    cases = [Wheelset.from_values({"wheelset": {"wheel": each}}) for each in (wheel, other)]
+    assert len({hash_of(case_content(case)) for case in cases}) == 2
 
 
 def test_content_that_cannot_be_told_has_no_key() -> None:

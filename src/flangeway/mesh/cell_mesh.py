@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, frozen
+from flangeway.results import Shown
 from flangeway.types import Floats, Indices, Ints
 
 
@@ -50,7 +51,7 @@ def known(names: Mapping[str, IntArray], name: str, what: str) -> IntArray:
     return names[name]
 
 
-class CellMesh:
+class CellMesh(Shown):
     """Points, and cells that are numbers of points one cell after the other.
 
     The subclasses, `PolyMesh` and `PolyhedralMesh`, are final and have ``points`` (n_points, d), ``cell_offsets``

@@ -28,7 +28,7 @@ from flangeway.problems.loads import (
     boundary_quadrature,
     entries_between,
 )
-from flangeway.results import Result, ResultTable
+from flangeway.results import Result, ResultTable, Shown
 from flangeway.space import CellBatch, CondensedMatrix, Mesh, Space, SymmetricMatrix, assemble_condensed
 from flangeway.types import Bools, Floats, Ints
 
@@ -197,7 +197,7 @@ def _of_kind(items: Sequence[AppliedLoad | Support], kind: type[Kind]) -> tuple[
 
 
 @dataclass(frozen=True, eq=False)
-class Elasticity(Generic[Mesh]):
+class Elasticity(Shown, Generic[Mesh]):
     """A linear elastic body; unknowns: displacements numbered ``d * dof + component`` (Moherdaui 2021, 3.2.6, 3.3.7).
 
     On a mesh of polyhedra it is a body in space, d = 3, whose loads and supports are on named faces.

@@ -23,6 +23,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.geometry.arrays import chain_lengths
 from flangeway.quantities import Quantity, columns, measured, values
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.two_column import KINDS, Kind
 from flangeway.railway.profiles.joining import Joined, joined
 from flangeway.report.figures.drawing import (
@@ -64,6 +65,15 @@ def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
         axes.plot(*profile.points.T, ".", ms=2.0, color=INK, label=f"{len(profile.points)} points", zorder=4)
     axes.plot(0.0, 0.0, "+", color=ORANGE, ms=12, mew=1.6, label="origin", zorder=5)
     axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=10)
+    return _shape(axes)
+
+
+def profile_figure(profile: RailProfile | WheelProfile) -> Figure:
+    """Draw the outline of a profile and its running surface with one scale."""
+    axes = new_figure(7.5, 5.5, compressed=True).subplots()
+    axes.plot(*_closed(profile.outline).T, color=GREY, lw=0.9, label="outline")
+    axes.plot(*_line(profile.running_surface).T, color=BLUE, lw=1.8, label="running surface")
+    axes.set_title(_title(profile.title), fontsize=10)
     return _shape(axes)
 
 

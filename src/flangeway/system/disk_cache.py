@@ -140,7 +140,7 @@ def cached(cache: Cache | None, make: Callable[[], Arrays], kind: str, *parts: o
 def content_key(kind: str, *parts: object) -> str | None:
     """Key of what some content determines, with the package's version; None where the content has no key.
 
-    The parts are arrays, text, numbers, tuples, mappings, and objects whose ``repr`` shows all that they hold.
+    The parts are arrays, text, numbers, tuples, mappings, records of such, and objects whose ``repr`` shows all.
     """
     digest = hashlib.sha256(f"{kind} {FORMAT} {version_of('flangeway')}".encode())
     if not all(_add(digest, part) for part in parts):
@@ -165,6 +165,9 @@ def _add(digest: "hashlib._Hash", part: object) -> bool:
     if isinstance(part, tuple | list):
         digest.update(f"<{len(part)} parts>".encode())
         return all(_add(digest, entry) for entry in part)
+    names = getattr(part, "__dataclass_fields__", None) or getattr(type(part), "model_fields", None)
+    if names and not isinstance(part, type):
+        return _add(digest, (type(part).__name__, *(getattr(part, name) for name in names)))
     text = repr(part)
     digest.update(f"<{len(text)}>{text}".encode())
     return " at 0x" not in text and "..." not in text

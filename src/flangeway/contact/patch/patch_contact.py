@@ -22,6 +22,7 @@ from flangeway.contact.patch.patch_grid import (
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.geometry.arrays import max_magnitude
+from flangeway.results import Shown
 from flangeway.solve import ComplianceTable, Status, SurfaceCells, compliance_table
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Bools, Floats
@@ -81,7 +82,7 @@ class CellForces:
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialPatch:
+class SpatialPatch(Shown):
     """One patch on cells, and the ellipse with the same second moments of pressure as Hertz's.
 
     - `cells`: forces on the cells of the surface.

@@ -1,6 +1,5 @@
 """Evolution of profiles over distance: wear of all states, adaptive steps, limits, and a file to go on from."""
 
-import hashlib
 import json
 import sqlite3
 from collections.abc import Mapping, Sequence
@@ -28,8 +27,7 @@ from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_s
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
 from flangeway.records import NotNegative, Positive, Record
-from flangeway.system.disk_cache import Cache
-from flangeway.system.output_folder import versions
+from flangeway.system.disk_cache import Cache, content_key
 from flangeway.types import Floats, Progress
 
 MM_PER_KM = 1e6
@@ -349,18 +347,18 @@ class Evolution:
     def identity(self) -> str:
         """What the file of a run must agree in: version, states, laws and settings, but not the end and the limits."""
         settings = self.settings.model_dump(exclude={"end", "limits"})
-        parts = [
-            versions()["flangeway"],
-            repr((OVER_PIECES, RollingPlace._fields)),
-            repr(sorted(settings.items())),
-            repr(sorted(self.laws.items())),
-            repr(self.collective.separate),
+        parts: list[object] = [
+            OVER_PIECES,
+            RollingPlace._fields,
+            settings,
+            self.laws,
+            self.collective.separate,
             *(
-                f"{state.share!r} {state.problem!r} {state.problem.track.rails!r} {state.problem.wheels.wheels!r}"
+                (state.share, state.problem, state.problem.track.rails, state.problem.wheels.wheels)
                 for state in self.collective.states
             ),
         ]
-        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+        return content_key("evolution", *parts) or repr(self.laws)
 
     def _row_of(self, step: EvolutionStep) -> dict[str, Any]:
         """A step as JSON: numbers in it are kept to the last digit."""

@@ -17,6 +17,7 @@ from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placemen
 from flangeway.geometry.biarcs import biarcs
 from flangeway.railway.profiles.formats.instrument_files import GAP_MM, closed_gaps
 from flangeway.records import ByInstance
+from flangeway.results import Shown
 from flangeway.system.file_content import packaged_rows, packaged_text
 
 # --- Running surfaces from formulas and arcs: S1002, a heavy-haul wheel of nine arcs, the reference profiles of EN
@@ -186,7 +187,7 @@ CUT_HEIGHT_MM = 50.0  # height above the tape line of the straight cut that clos
 
 
 @dataclass(frozen=True)
-class RailProfile(ByInstance):
+class RailProfile(Shown, ByInstance):
     """Cross-section of the right-hand rail, seen with the centre of the track at the left.
 
     Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
@@ -222,7 +223,7 @@ class RailProfile(ByInstance):
 
 
 @dataclass(frozen=True)
-class WheelProfile(ByInstance):
+class WheelProfile(Shown, ByInstance):
     """Lower part of the right-hand wheel's rim, in the wheel's own frame.
 
     Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);

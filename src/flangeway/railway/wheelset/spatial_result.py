@@ -35,6 +35,7 @@ from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack
 from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
 from flangeway.railway.wheelset.wheelset_newton import SpatialState
+from flangeway.results import Shown
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
@@ -51,7 +52,7 @@ NO_ELLIPSE = 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialResult:
+class SpatialResult(Shown):
     """A wheelset in equilibrium on its track, in three dimensions.
 
     - `equilibrium`: position, residuals and contact of both sides.

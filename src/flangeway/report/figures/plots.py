@@ -47,7 +47,7 @@ from flangeway.report.figures.drawing import (
     with_unit,
 )
 from flangeway.report.page.record import marked, named
-from flangeway.results import Result
+from flangeway.results import Result, Shown
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
 from flangeway.types import Bools, Floats, floats
@@ -351,11 +351,12 @@ def plot_deformed(
 
 
 @singledispatch
-def plot_result(result: Result, **options: Any) -> Figure:
+def plot_result(result: Shown, **options: Any) -> Figure:
     """Draw what a result is about, and return the figure.
 
     Elastic fields are drawn by `plot_stress`, functions of torsion by `plot_function`, stresses along lines and
-    pressures over the length, adaptive runs as error over cells, runs of cases as the first picture of their report.
+    pressures over the length, adaptive runs as error over cells, runs of cases as the first picture of their report,
+    meshes by their cells or outer faces, profiles by outline and running surface, patches by their pressures.
 
     Parameters
     ----------
