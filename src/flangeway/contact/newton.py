@@ -53,12 +53,13 @@ from flangeway.solve.status import NewtonSettings, Status, is_at_round_off
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools
 
-MEMORY, GROWTHS, MIN_FRACTION = 12, (2.0, 0.9), 1.0 / 32.0
+MEMORY, MAX_GROWTH, MIN_FRACTION = 12, 2.0, 1.0 / 32.0
 """A step is halved while its residual is above the maximum of so many iterations before it, times the growth, until the
 fraction of the step. Active sets change in the first iterations, so that the residual need not fall in each; without
 any limit nodes on edges far shorter than their share of the surface, which are not stable under pressure, run away.
-After as many, the residual falls (second growth), which ends cycles of iterations, and pairs of a node and an edge are
-held by a wider margin, so that none changes for ever."""
+After as many, pairs of a node and an edge are held by a wider margin, so that none changes for ever, and nodes that
+penetrate are guarded before the equations are solved: without that of a sharp corner, nodes beside it may go in and out
+of its body for ever."""
 
 START_DISTANCE = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -220,11 +221,14 @@ def _with_constraints(problem: ContactProblem, state: ContactIterate) -> Contact
 
     Where there are none, with those of nodes that overlap although the present ones hold; None if there are none.
     """
-    lin = _unguarded(problem, state) if state.is_guarded else None
-    if lin is None:
-        maximum = bending(problem.response, state.placed.placements, state.positions, state.displacements)
-        lin = problem.constraints.guarded(state.positions, state.lin, state.forces, maximum)
+    lin = (_unguarded(problem, state) if state.is_guarded else None) or _guarded(problem, state)
     return None if lin is None else problem.at(state._replace(is_guarded=False), lin).corrected()
+
+
+def _guarded(problem: ContactProblem, state: ContactIterate) -> ContactLinearisation | None:
+    """Linearisation about a state with constraints of nodes that overlap; None if there are no further ones."""
+    maximum = bending(problem.response, state.placed.placements, state.positions, state.displacements)
+    return problem.constraints.guarded(state.positions, state.lin, state.forces, maximum)
 
 
 def _unguarded(problem: ContactProblem, state: ContactIterate) -> ContactLinearisation:
@@ -247,6 +251,8 @@ def _iterated(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
         state = _in_reach(problem, state)
         if state.status is not None:
             return state
+        if state.n_iterations >= MEMORY and (lin := _guarded(problem, state)) is not None:
+            state = problem.at(state._replace(equations=None), lin)
         way = np.where(pressed, np.abs(state.placed.motions - slid_from) / problem.parts.lengths, 0.0)
         if state.sliding and ((way > MAX_TURN) | (problem.parts.without_turns(way) > MAX_SLIDE)).any():
             return _slides_away(problem, state)
@@ -259,7 +265,7 @@ def _iterated(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
                 "take a finer mesh or a softer penalty"
             )
         settle, fraction = len(state.history) >= MEMORY, 1.0
-        limit = GROWTHS[settle] * max((iteration.residual for iteration in state.history[-MEMORY:]), default=np.inf)
+        limit = MAX_GROWTH * max((iteration.residual for iteration in state.history[-MEMORY:]), default=np.inf)
         trial = after(problem, state, whole, fraction, settle=settle)
         if (entry := problem.constraints.entered(state.positions, trial.positions, trial.lin)) is not None:
             if state.stops == MAX_STOPS:
