@@ -291,6 +291,7 @@ class ContactProblem:
             slips = self.slips(state, state.slides) + state.let_back(state.tangential)
             beyond, wrong = violations(forces, state.tangential, slips, lin.coefficients)
             laws = np.maximum.reduce((laws, beyond / total, wrong / scale))
-        along, (neutral, _) = self.along_motions(state), state.held.neutral
+        nodal, (neutral, _) = state.nodal, state.held.neutral
+        along = self.parts.residual(state.placed.motions, state.positions, nodal)
         along -= neutral @ (neutral.T @ along)
-        return laws, np.abs(state.nodal - state.applied).max(axis=1) / total, np.abs(along) / total
+        return laws, np.abs(nodal - state.applied).max(axis=1) / total, np.abs(along) / total

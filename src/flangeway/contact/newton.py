@@ -297,8 +297,8 @@ def _limit(problem: ContactProblem, state: ContactIterate) -> float:
 
 def _pressed(problem: ContactProblem, state: ContactIterate) -> Bools:
     """Which motions move a part under contact forces, shape (n,): the others' parts still fall."""
-    pressed = np.unique(problem.response.body_of_node[np.flatnonzero(state.nodal.any(axis=1))])
-    return problem.parts.of_bodies(pressed)
+    nodes = np.flatnonzero(state.nodal.any(axis=1)) if problem.parts.n else np.zeros(0, dtype=np.int64)
+    return problem.parts.of_bodies(np.unique(problem.response.body_of_node[nodes]))
 
 
 def _stopped(problem: ContactProblem, state: ContactIterate, whole: ContactStep, entry: Entry) -> ContactIterate:
