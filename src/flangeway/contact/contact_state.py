@@ -79,7 +79,7 @@ def bending(response: BodyResponse, placements: Sequence[Placement], positions: 
     2) from the placed bodies without loads: forces take back what loads alone would displace.
     """
     moves = displacements, positions - response.undeformed(placements)
-    return min(float(norms(move).max(initial=0.0)) for move in moves)
+    return min(max_magnitude(norms(move)) for move in moves)
 
 
 class ContactEquations(NamedTuple):

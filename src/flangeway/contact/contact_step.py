@@ -134,7 +134,7 @@ def step(problem: ContactProblem, state: ContactIterate, *, bend: bool = True) -
         # nodes of both sides move: the mean over a sliver of an edge has derivatives that say more
         change = displacements - constrained.displacements
         predicted = gaps + (constrained.jacobian @ change)[: len(gaps)]
-        closing = (predicted < 0.0) & (gaps < GAP_CLOSURE * float(np.abs(change).max())) & ~linearised.candidates
+        closing = (predicted < 0.0) & (gaps < GAP_CLOSURE * max_magnitude(change)) & ~linearised.candidates
         if not closing.any():
             break
         linearised = linearised._replace(candidates=linearised.candidates | closing, previous=None)
@@ -306,7 +306,7 @@ def after(
     )
     new = problem.at(new, problem.constraints.linearise(new.positions, state.lin, settle=settle))
     yielding = max(max_magnitude(vector) for vector in (displacements, new.compliances * new.forces))
-    if yielding <= EPS * float(np.abs(placed.reference).max()) and not problem.parts.forces(placed.motions).any():
+    if yielding <= EPS * max_magnitude(placed.reference) and not problem.parts.forces(placed.motions).any():
         # nothing presses, and neither bodies nor laws yield: what is left of forces is round-off
         zeros = np.zeros_like(new.forces)
         new = new._replace(forces=zeros, tangential=zeros, applied=np.zeros_like(applied))

@@ -38,7 +38,15 @@ from flangeway.contact.pairs import Constraints, Pairs
 from flangeway.contact.search import behind, nearest_edges
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.geometry.arrays import chords_of, joined_columns, norms, root_parameters, turned_right
+from flangeway.geometry.arrays import (
+    chords_of,
+    diagonal,
+    joined_columns,
+    norms,
+    quotients,
+    root_parameters,
+    turned_right,
+)
 from flangeway.types import Bools, Floats, Ints
 
 GUARDED_DEPTH = 0.9
@@ -228,7 +236,7 @@ def _deepest(edges: Floats, other: Floats) -> Floats:
     def change(xi: Floats) -> Floats:
         rate = rates(xi)
         bend = (rates(xi + PARAMETER_STEP) - rate) / PARAMETER_STEP
-        return np.where(bend > 0.0, rate / np.where(bend > 0.0, bend, 1.0), 0.0)
+        return quotients(rate, bend)
 
     return root_parameters(change, xi, 0.25, END_DISTANCE, lambda xi: np.clip(xi, 0.0, 1.0))
 
@@ -341,7 +349,7 @@ def penetrating(
 
     """
     edges = _edges_at(surfaces, positions)
-    depth = min(float(np.linalg.norm(np.ptp(edge_points, axis=(0, 1)))) for edge_points in edges) / 2.0
+    depth = min(diagonal(edge_points) for edge_points in edges) / 2.0
     counts = [len(surface.nodes) for surface in surfaces]
     through = list(unguarded(surfaces))
     points = [np.concatenate((positions[side][: counts[side]], edges[side].mean(axis=1))) for side in (0, 1)]

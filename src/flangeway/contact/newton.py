@@ -291,7 +291,7 @@ def _iterated(problem: ContactProblem, state: ContactIterate) -> ContactIterate:
 
 def _limit(problem: ContactProblem, state: ContactIterate) -> float:
     """Residual of a state that has converged: the tolerance, or round-off of its positions."""
-    round_off = 64.0 * EPS * float(np.abs(state.placed.reference).max()) / problem.scale(state)
+    round_off = 64.0 * EPS * max_magnitude(state.placed.reference) / problem.scale(state)
     return max(problem.settings.tolerance, min(round_off, MAX_ROUND_OFF))
 
 

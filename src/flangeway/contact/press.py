@@ -16,7 +16,7 @@ from flangeway.contact.surface import Surface
 from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import cross_product, max_magnitude
 from flangeway.problems import Body, ElasticField, Part, PointForce, Pressure, Traction
 from flangeway.problems.loads import GivenForces, refuse_held
 from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, MaterialState, NonlinearBody
@@ -764,8 +764,8 @@ def _pressed(
             failure = f"; the contact is {solution.status.message}"
             break
         after = {part: solution.field(linear[part]).displacements for part in bodies}
-        size = max(float(np.abs(displaced).max()) for displaced in after.values()) or 1.0
-        change = max(float(np.abs(after[part] - fields[part]).max()) for part in bodies) / size
+        size = max(max_magnitude(displaced) for displaced in after.values()) or 1.0
+        change = max(max_magnitude(after[part] - fields[part]) for part in bodies) / size
         fields = after
         if not change > tolerance:
             solution = solution.checked([(placement, None) for placement in solution.state.placements])

@@ -30,7 +30,7 @@ from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import chords_of, cross_product, norms, sums_at, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, diagonal, norms, sums_at, turned_right
 from flangeway.types import Bools, Floats, Ints
 
 # --- Pieces of the secondary surface that face one primary edge, and the integrals of the gap over them.
@@ -439,9 +439,7 @@ class SegmentToSegment(Pairing):
         chords = chords_of(primary_edges)
         reach = 2.0 * float(norms(chords).mean())
         edges = positions[secondary.contact_places]
-        depth = (
-            self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
-        )
+        depth = self.depth or min(diagonal(side) for side in (edges, primary_edges)) / 2.0
         candidates = candidate_pairs(_swept(edges, reach, depth), primary_edges, secondary.edge_lengths)
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))

@@ -20,7 +20,7 @@ from flangeway.contact.search import MAX_ROTATION_STEP, on_path, visits
 from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, Contact, ContactSystem
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import chords_of, cross_product, norms, point_text, turned_right
+from flangeway.geometry.arrays import chords_of, cross_product, max_magnitude, norms, point_text, turned_right
 from flangeway.mesh.connectivity import edge_places
 from flangeway.problems import Body, Part
 from flangeway.solve import BodyResponse, Checks, Handle
@@ -471,8 +471,8 @@ def check_solution(
     gap = work / max(float(state.forces.sum()), MIN_NORMAL)
     # forces that displace no digit of the positions are none
     least = MIN_NORMAL + EPS * size / max(part.body.softness for part in system.parts)
-    loads = (float(np.abs(handle.load[:2]).max()) for _, handle in given if handle is not None)
-    reference = max(float(norms(state.nodal_forces).max(initial=0.0)), least, *loads)
+    loads = (max_magnitude(handle.load[:2]) for _, handle in given if handle is not None)
+    reference = max(max_magnitude(norms(state.nodal_forces)), least, *loads)
     # Friction acts across the gap of a law, and that between nodes; forces of paired nodes across their slides.
     apart = np.abs(state.linearisation.gaps) + LARGE_OVERLAP * moved
     by_gap = 0.0 if state.friction is None else float(np.abs(state.friction.forces) @ apart)
@@ -608,7 +608,7 @@ def _unbalanced(
     `MAX_KEPT` of the contact forces counts.
     """
     forces, at = state.nodal_forces, state.positions
-    max_moves = [float(norms(field).max(initial=0.0)) for field in fields]
+    max_moves = [max_magnitude(norms(field)) for field in fields]
     total = forces.sum(axis=0)
     if system.parts[0].body.axisymmetric:
         force, moment = abs(float(total[1])), 0.0

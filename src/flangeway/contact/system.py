@@ -308,7 +308,7 @@ class ContactLinearisation:
         n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
         entries = np.concatenate(rows), np.concatenate(columns)
         shape = (n if n_rows is None else n_rows, n)
-        matrix = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
+        matrix = sp.csr_array((np.concatenate(values), entries), shape=shape)
         matrix.eliminate_zeros()
         return matrix
 

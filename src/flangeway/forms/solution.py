@@ -563,7 +563,7 @@ class _Problem:
         step = DIFFERENCE * direction
         difference = (self._integrals(u + step) - self._integrals(u - step)) / (2.0 * DIFFERENCE)
         product = (matrix @ direction.ravel()).reshape(u.shape)
-        error = float(np.abs(product - difference).max() / max(np.abs(difference).max(), np.abs(product).max()))
+        error = max_magnitude(product - difference) / max(max_magnitude(difference), max_magnitude(product))
         if error > MAX_TANGENT_ERROR:
             raise InputError(
                 f"a tangent that differs from the differences of the residual by {error:.1e}",

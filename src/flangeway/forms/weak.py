@@ -402,7 +402,7 @@ def scattered(parts: Iterable[tuple[Indices, Indices, Values]], shape: tuple[int
         columns.append(np.broadcast_to(column, local.shape).ravel())
         entries.append(local.ravel())
     coordinates = np.concatenate(rows), np.concatenate(columns)
-    return sp.csr_array(sp.coo_array((np.concatenate(entries), coordinates), shape=shape))
+    return sp.csr_array((np.concatenate(entries), coordinates), shape=shape)
 
 
 def _add_stabilisation(local: Values, weighted: Values, functions: Functions, batch: CellBatch) -> None:

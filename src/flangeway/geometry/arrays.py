@@ -92,6 +92,11 @@ def extent(points: Floats) -> float:
     return float(np.ptp(points, axis=0).max())
 
 
+def diagonal(points: Floats) -> float:
+    """Return the diagonal of the box about points (..., d)."""
+    return float(norms(np.ptp(points.reshape(-1, points.shape[-1]), axis=0)))
+
+
 def box(points: Sequence[Floats], margin: float) -> Floats:
     """Return the corners (2, 2) of the box about all points, widened."""
     every = np.vstack(points)
@@ -133,7 +138,7 @@ def units_of(vectors: Floats) -> Floats:
     return vectors / norms(vectors)[:, None]
 
 
-def max_magnitude(values: Floats) -> float:
+def max_magnitude(values: NDArray[Any]) -> float:
     """Return the largest magnitude of numbers, 0 of none."""
     return float(np.abs(values).max(initial=0.0))
 
@@ -174,6 +179,12 @@ def run_of(used: ArrayLike) -> slice:
     """Return the run from the first to the last of those used, (n,)."""
     at = np.flatnonzero(used)
     return slice(int(at[0]), int(at[-1]) + 1)
+
+
+def quotients(numerators: Floats, denominators: Floats) -> Floats:
+    """Return numerators over denominators (...), 0 where the latter are not positive."""
+    zeros = np.zeros(np.broadcast_shapes(np.shape(numerators), denominators.shape))
+    return np.divide(numerators, denominators, out=zeros, where=denominators > 0.0)
 
 
 def joined_columns(rows: Iterable[Sequence[NDArray[Any]]]) -> tuple[NDArray[Any], ...]:

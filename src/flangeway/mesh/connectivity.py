@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, chords_of, cross_product, frozen, norms
+from flangeway.geometry.arrays import IntArray, chords_of, cross_product, diagonal, frozen, norms
 from flangeway.geometry.placement import Placement
 from flangeway.types import Bools, Floats, Indices, Ints, floats
 
@@ -171,7 +171,7 @@ class NamedEdges:
         # a line is a box without width
         low = np.maximum(corners[:2], [-np.inf if at is None else at for at in (at_x, at_y)])
         high = np.minimum(corners[2:], [np.inf if at is None else at for at in (at_x, at_y)])
-        slack = ON_LINE * float(norms(np.ptp(self.points, axis=0)))
+        slack = ON_LINE * diagonal(self.points)
         ends = self.points[pairs]
         inside = ((ends >= low - slack) & (ends <= high + slack)).all(axis=(1, 2))
         if not inside.any():

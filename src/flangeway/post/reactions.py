@@ -99,7 +99,7 @@ def relative_nodal_residual(field: ElasticField[Any], forces: Floats, held: Bool
         at_nodes = field.displacements[: len(forces)].ravel()
         left[: len(forces)] += (field.problem.spring_stiffness(spring) @ at_nodes).reshape(forces.shape)
     left[: len(forces)][held] = 0.0
-    return float(np.abs(left).max()) / reference if reference > 0.0 else 0.0
+    return max_magnitude(left) / reference if reference > 0.0 else 0.0
 
 
 def _internal_and_left(field: ElasticField[Any], forces: Floats) -> tuple[Floats, Floats]:

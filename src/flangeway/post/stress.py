@@ -12,7 +12,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import cross_product, middles_of, norms
+from flangeway.geometry.arrays import cross_product, diagonal, middles_of, norms
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.problems import ElasticField, Elasticity
@@ -353,7 +353,7 @@ def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():
         raise InputError(f"points of shape {given.shape}", "finite numbers, shape (n, 2)", "give rows of x and y")
     cells = np.full(len(given), OUTSIDE, dtype=np.int64)
-    near = BOUNDARY_TOLERANCE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    near = BOUNDARY_TOLERANCE * diagonal(mesh.points)
     if mesh.curves is not None:
         depths = mesh.points[mesh.curves.pairs].mean(axis=1) - mesh.curves.points([0.5])[:, 0]
         near = max(near, 2.0 * float(norms(depths).max()) / PIECES**2)

@@ -13,7 +13,16 @@ from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import edge_points, edge_rule, edge_unknowns, gauss_lobatto
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import ROUGH_ANGLE, chords_of, facet_depths, frozen, norms, point_text, steps_around
+from flangeway.geometry.arrays import (
+    ROUGH_ANGLE,
+    chords_of,
+    diagonal,
+    facet_depths,
+    frozen,
+    norms,
+    point_text,
+    steps_around,
+)
 from flangeway.materials import Material
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.mesh.mesh_checks import items_by_cells, set_numbers
@@ -356,7 +365,7 @@ class Elasticity(Shown, Generic[Mesh]):
     @cached_property
     def size(self) -> float:
         """Diagonal of the mesh's bounding box."""
-        return float(np.linalg.norm(np.ptp(self.space.mesh.points, axis=0)))
+        return diagonal(self.space.mesh.points)
 
     @property
     def motion_scale(self) -> Floats:
@@ -432,7 +441,7 @@ class Elasticity(Shown, Generic[Mesh]):
             unknowns = (d * nodes[:, :, None] + np.arange(d)).reshape(len(nodes), -1)
             blocks = np.einsum("emn,ij->eminj", mass, tensor).reshape(*unknowns.shape, -1)
             rows, columns, entries = entries_between(unknowns, blocks)
-            total += sp.csc_array(sp.coo_array((entries, (rows, columns)), shape=shape))
+            total += sp.csc_array((entries, (rows, columns)), shape=shape)
         return total
 
     def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:

@@ -21,9 +21,11 @@ from flangeway.geometry.arrays import (
     chain_points,
     chords_of,
     cross_product,
+    diagonal,
     max_magnitude,
     norms,
     point_text,
+    quotients,
     sums_at,
     turned_right,
     units_of,
@@ -223,7 +225,7 @@ class LinearBody(ABC):
     @property
     def size(self) -> float:
         """Diagonal of the nodes' bounding box."""
-        return float(np.linalg.norm(np.ptp(self.nodes, axis=0)))
+        return diagonal(self.nodes)
 
     @property
     def boundary_is_closed(self) -> bool:
@@ -712,7 +714,7 @@ class StiffnessBody(LinearBody):
             motions[inner] = spsolve(system, -(matrix[inner] @ motions)).reshape(len(inner), -1)
         forces: Floats = (matrix @ motions)[rows]
         terms: Floats = (abs(matrix) @ np.abs(motions))[rows]
-        ratios = np.abs(forces) / np.where(terms > 0.0, terms, 1.0)
+        ratios = quotients(np.abs(forces), terms)
         loaded: Any = (ratios > MAX_FORCE)[:, :, :-1] & there[:, :, None]
         if len(rigid) == 3 and (loaded[:, :, 2] & (ratios[:, :, :2] < 0.01 * MAX_FORCE).all(axis=2)).any():
             return 1.0, clear, forces[:, :, -1]
@@ -795,7 +797,7 @@ class StiffnessBody(LinearBody):
         normals = units_of(areas[line])
         pressures = (forces[line] * normals).sum(axis=1) / norms(areas[line])
         sums = np.abs(pressures[1:]) + np.abs(pressures[:-1])
-        jumps = 2.0 * np.diff(pressures) / np.where(sums > 0.0, sums, 1.0)
+        jumps = quotients(2.0 * np.diff(pressures), sums)
         up_and_down = (jumps[1:] * jumps[:-1] < 0.0) & (np.minimum(abs(jumps[1:]), abs(jumps[:-1])) > MAX_JUMP)
         known = clear[line]
         known[1:] &= (normals[1:] * normals[:-1]).sum(axis=1) > MIN_COSINE

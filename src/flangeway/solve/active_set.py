@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.geometry.arrays import max_magnitude
+from flangeway.geometry.arrays import max_magnitude, quotients
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats, Ints
 
@@ -229,7 +229,7 @@ class Laws:
         gaps = standoffs(normal, self.barriers)
         finite = np.where(np.isfinite(normal), normal, 0.0)
         products = self.barriers[:, 0]
-        compliances = np.divide(gaps**2, products, out=np.zeros(self.m), where=products > 0.0)
+        compliances = quotients(gaps**2, products)
         return compliances, gaps + compliances * finite
 
     def _trial(self, answer: Answer) -> Floats:
@@ -243,7 +243,7 @@ class Laws:
 def standoffs(normal: Floats, barriers: Floats) -> Floats:
     """Gaps that forces (m,) leave by barriers (m, 2), ``p = w (1 / g - 1 / r)``."""
     products, reaches = barriers.T
-    return np.divide(products, normal + products / reaches, out=np.zeros(len(normal)), where=products > 0.0)
+    return quotients(products, normal + products / reaches)
 
 
 def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) -> Answer | None:
@@ -348,7 +348,7 @@ class DenseEquations:
         loads = motions.loads(answer.forces)
         stiffness = resultants @ by_unit[:, :n] - motions.stiffness
         # forces that would move what holds them by less than the last digit of the sizes are none
-        least = EPS * float(np.abs(stiffness).max()) * motions.sizes.max()
+        least = EPS * max_magnitude(stiffness) * motions.sizes.max()
         root = np.sqrt(np.maximum(loads, 1e-12 * (max(float(loads.max()), least) or 1.0)) / motions.sizes)
         left, values, right = np.linalg.svd(stiffness / root / root[:, None])
         along = left.T @ ((motions.residual - resultants @ by_unit[:, n]) / root)

@@ -153,7 +153,7 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
         of_columns.append(np.full(len(columns), space.n_nodes + number))
     at, columns, values = joined_columns(entries)
     unknowns = np.concatenate(of_columns).astype(np.int32)
-    transform = sp.csr_array(sp.coo_array((values, (at, columns)), shape=(shift.size, len(unknowns))))
+    transform = sp.csr_array((values, (at, columns)), shape=(shift.size, len(unknowns)))
     kept = free.ravel() if len(oblique) == 0 and not handles else None
     return SupportConstraints(transform, shift.ravel(), unknowns, kept, rows, tuple(handles), tuple(bases))
 

@@ -20,7 +20,7 @@ import numpy as np
 from flangeway.checks import are_finite, check_kind, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import norms, starts_of, turned_right
+from flangeway.geometry.arrays import diagonal, norms, starts_of, turned_right
 from flangeway.problems import Part
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.constraints import described_motions
@@ -236,7 +236,7 @@ class Handles:
         if len(bodies) == 1:
             return bodies[0].size
         points = [self._placements[i].points(body.nodes) for i, body in zip(members, bodies, strict=True)]
-        return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+        return diagonal(np.concatenate(points))
 
     def _slices(self) -> Iterator[slice]:
         return (slice(*self.starts[i : i + 2].tolist()) for i in range(len(self._handles)))

@@ -100,7 +100,7 @@ def solve_linear(
         return np.empty(0), Status(True, "every unknown is prescribed", 0, MAX_DIGITS)
     factor = cholesky(matrix, groups) if product is None else _preconditioner(matrix, groups, product)
     product = matrix if product is None else product
-    unit = float(np.abs(rhs).max()) or 1.0  # of forces, whose squares must neither underflow nor overflow
+    unit = max_magnitude(rhs) or 1.0  # of forces, whose squares must neither underflow nor overflow
     rhs = rhs / unit
     values, direction, residual, power = np.zeros(matrix.n), np.zeros(matrix.n), rhs, 1.0
     for iteration in range(MAX_CORRECTIONS):  # noqa: B007 (used after the loop)
@@ -120,7 +120,7 @@ def solve_linear(
         residual = rhs - product.times(values)
         change = max(change, relative_maximum(factor.solve(residual), values))
     scale = max_magnitude(rhs) + np.abs(matrix.values).max() * max_magnitude(values)
-    ratio = float(np.abs(residual).max() / scale) if scale > 0.0 else 0.0
+    ratio = max_magnitude(residual) / scale if scale > 0.0 else 0.0
     digits = digits_left(factor, product, values, change)
     status = Status(ratio <= SMALL_RESIDUAL, f"the residual is {ratio:.1e} of the maximum force", 1)
     return values * unit, status.with_digits(digits)
@@ -128,7 +128,7 @@ def solve_linear(
 
 def relative_maximum(correction: Floats, values: Floats) -> float:
     """Maximum of a correction relative to that of the values: 1 if they are zero, 0 if both are."""
-    change, maximum = float(np.abs(correction).max()), float(np.abs(values).max())
+    change, maximum = max_magnitude(correction), max_magnitude(values)
     return change / maximum if maximum > 0.0 else float(change > 0.0)
 
 
@@ -561,7 +561,7 @@ def _with_diagonal(matrix: sp.csr_array) -> SymmetricMatrix:
         every, entries = np.arange(matrix.shape[0]), sp.coo_array(matrix)
         rows, columns = np.concatenate((entries.row, every)), np.concatenate((entries.col, every))
         values = np.concatenate((entries.data, np.zeros(len(every))))
-        matrix = sp.csr_array(sp.coo_array((values, (rows, columns)), shape=matrix.shape))
+        matrix = sp.csr_array((values, (rows, columns)), shape=matrix.shape)
     return SymmetricMatrix.from_full(matrix)
 
 

@@ -134,8 +134,8 @@ def _solved(
     for _ in range(settings.max_iterations + 1):
         tangents, forces, works = body.linearised(state, u)
         unbalanced = factor * loads - forces
-        size = max(size, float(np.abs(forces).max()), float(np.abs(factor * loads).max()))
-        reach = max(reach, float(np.abs(u).max()))
+        size = max(size, max_magnitude(forces), max_magnitude(factor * loads))
+        reach = max(reach, max_magnitude(u))
         reactions = -unbalanced[:n_nodes]
         unbalanced[:n_nodes] -= (springs @ u[:n_nodes].ravel()).reshape(-1, 2)
         if step is not None:  # the supports hold from the first step on
@@ -143,7 +143,7 @@ def _solved(
             free = step.constraints.transform.T @ unbalanced[:n_nodes].ravel() + applied, unbalanced[n_nodes:]
             residuals.append(max(max_magnitude(part) for part in free) / size)
             # near nu = 1/2 round-off of the forces is above the tolerance, but the displacements have settled
-            change = float(np.abs(step.displacements).max()) / reach
+            change = max_magnitude(step.displacements) / reach
             if not min(residuals[-1], change) > settings.tolerance:
                 break
         motion = factor - start.factor if step is None else 0.0

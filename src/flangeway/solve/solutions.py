@@ -284,7 +284,7 @@ def _transform(problem: Harmonic, free: Bools, wavenumber: float) -> sp.csr_arra
     rows = np.concatenate((at, 3 * moved + 2))
     columns = np.concatenate((numbers[at], numbers[3 * moved]))
     values = np.concatenate((np.ones(len(at)), -np.ones(len(moved))))
-    return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=(free.size, len(at))))
+    return sp.csr_array((values, (rows, columns)), shape=(free.size, len(at)))
 
 
 # --- Solution of St. Venant's torsion by one sparse Cholesky factor.

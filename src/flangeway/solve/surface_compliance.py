@@ -16,7 +16,15 @@ from flangeway._core import NotPositiveDefiniteError, n_threads
 from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.exact import half_space_blocks
-from flangeway.geometry.arrays import chain_lengths, chain_points, components_of, longest_step, middles_of, vectors_at
+from flangeway.geometry.arrays import (
+    chain_lengths,
+    chain_points,
+    components_of,
+    longest_step,
+    max_magnitude,
+    middles_of,
+    vectors_at,
+)
 from flangeway.materials import Elastic
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
@@ -294,7 +302,7 @@ class SurfaceCells:
         unknowns = components_of(nodes, 3).ravel()
         rows, columns = np.nonzero(loads)
         entries = loads[rows, columns], (columns, unknowns[rows])
-        border = sp.csc_array(sp.coo_array(entries, shape=(loads.shape[1], 3 * space.n_dofs)))
+        border = sp.csc_array(entries, shape=(loads.shape[1], 3 * space.n_dofs))
         free, at = self.problem.free(1.0), _cut_depths(depths, self.longest_edge)
         return tuple(self._cut(depth, (free & (depths <= depth)[:, None]).ravel(), border) for depth in at)
 
@@ -302,7 +310,7 @@ class SurfaceCells:
         space = self.problem.elasticity.space
         at_nodes = kept & (np.arange(len(kept)) < 3 * space.n_nodes)
         constant, linear, square = (part.restricted(at_nodes) for part in self.problem.parts)
-        loads, scale = border[:, at_nodes], float(np.abs(constant.values).max())
+        loads, scale = border[:, at_nodes], max_magnitude(constant.values)
         parts = constant.bordered(scale * loads), linear.bordered(0.0 * loads), square.bordered(0.0 * loads)
         groups = np.flatnonzero(at_nodes) // 3
         groups = np.concatenate((groups, groups[-1] + 1 + np.arange(loads.shape[0]) // 3))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, max_magnitude
 from flangeway.mesh.connectivity import row_numbers
 from flangeway.types import Bools, Floats, Indices, Ints
 
@@ -86,7 +86,7 @@ class SymmetricMatrix:
         Entries of virtual elements of high order on thin cells are off by many times the last bit. The last bit is that
         of the row's largest entries: those for a motion across may be round-off themselves.
         """
-        return over_last_bit(self.times(motion), float(np.abs(motion).max()) * self.magnitudes(np.ones(self.n)))
+        return over_last_bit(self.times(motion), max_magnitude(motion) * self.magnitudes(np.ones(self.n)))
 
     def plus(self, added: sp.csc_array) -> "SymmetricMatrix":
         """Sum with another symmetric matrix, both triangles of which are given."""

@@ -20,6 +20,7 @@ from flangeway.contact.rolling.rolling_contact import (
     RollingContact,
 )
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import quotients
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -198,7 +199,7 @@ def adjoint(rolling: Rolling, values: Floats, tolerance: float = 1e-4) -> tuple[
     by_slope = np.sum(by_slip * rolling.problem.rigid, axis=(1, 2, 3)) - by_velocity
     by_slip *= rolling.slope
     pressing = step.cells(rolling.contact.normal_forces)
-    by_normal = by_limits * rolling.state.limits / np.where(pressing > 0.0, pressing, 1.0)
+    by_normal = quotients(by_limits * rolling.state.limits, pressing)
     by_normal = step.outside(np.stack((by_normal, by_normal), axis=2))[:, :, 0]
     if rolling.contact.coupled:  # normal forces move the surfaces along t and z: by reciprocity these the normals
         forces = np.zeros((*values.shape[:3], values.shape[3] + 2 * STRIPS_BEYOND))

@@ -12,7 +12,7 @@ from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import NO_CONTACT, SLIPS, STICKS, Creepages, CreepForces, RollingContact
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import middles_of
+from flangeway.geometry.arrays import middles_of, quotients
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
@@ -404,7 +404,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     sticking = np.stack((kappa * (whole - inner), lam * whole - (lam - psi) * inner), axis=1) * (mu * pressure / a)
     limit = coefficients * (pressure / a) * whole
     length = np.linalg.norm(directions, axis=1)
-    sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)[:, None]
+    sliding = directions * quotients(limit, length)[:, None]
     tractions, slips = np.where(sticks, sticking, sliding), np.where(sticks, 0.0, slips)
     rolling = _record("FaStrip", contact, motion, (ellipse, strips), (tractions, slips, ~sticks[:, 0]))
     # FASTSIM's slip has the energy of its own tractions, which end as a parabola; half-spaces dissipate forces times
@@ -460,9 +460,9 @@ def _traced(
             limits[number] = (kinetic + (static - kinetic) * share) * pressures[number]
         last = trial * np.minimum(limits[number] / length, 1.0)
         slip = (last - trial) * flexibilities[:2]
-        tractions[number], slips[number] = last, np.divide(slip, step, out=np.zeros_like(slip), where=step > 0.0)
+        tractions[number], slips[number] = last, quotients(slip, step)
         heat[number] = abs(speed) * np.sqrt(np.sum(last**2, axis=0) * np.sum(slips[number] ** 2, axis=0))
-    return tractions, slips, np.divide(limits, pressures, out=np.zeros_like(limits), where=pressures > 0.0)
+    return tractions, slips, quotients(limits, pressures)
 
 
 def _flexibilities(ellipse: EllipticContact) -> tuple[float, float, float]:

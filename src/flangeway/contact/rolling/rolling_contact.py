@@ -19,7 +19,7 @@ from flangeway.contact.rolling.friction_solver import (
     tangential_convolution,
 )
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import run_of
+from flangeway.geometry.arrays import max_magnitude, run_of
 from flangeway.materials import Elastic
 from flangeway.solve import Status
 from flangeway.solve.surface_compliance import half_spaces_on
@@ -351,8 +351,8 @@ class RollingContact:
     def coupled(self) -> bool:
         """Whether tangential forces move the surfaces along the normals too: the materials or sections differ."""
         blocks = self._blocks
-        mixed = max(float(np.abs(blocks[:, :, 1, :, axis]).max()) for axis in (0, 2))
-        return mixed > MAX_COUPLING * float(np.abs(blocks[:, :, 1, :, 1]).max())
+        mixed = max(max_magnitude(blocks[:, :, 1, :, axis]) for axis in (0, 2))
+        return mixed > MAX_COUPLING * max_magnitude(blocks[:, :, 1, :, 1])
 
     @property
     def _normal_by_tangential(self) -> Convolution:
