@@ -195,16 +195,15 @@ class NodeToSegment(Pairing):
         edge_places: Ints,
         primary_edges: Floats,
         kept: Ints,
-        corners: Bools | None = None,
+        corners: Bools,
         *,
-        settle: bool = False,
+        settle: bool,
     ) -> tuple[Ints, Ints, NodeEdgeGaps]:
         """Nodes, the edges they face, and the gaps; else as `pair`.
 
-        ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
+        ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners`.
         """
         stay = OPEN_SLACK if settle else self.slack
-        corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
         at_end = np.where(corners, FOOT_SLACK, OPEN_SLACK)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))

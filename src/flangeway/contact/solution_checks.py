@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, reduce
+from operator import itemgetter
 
 import numpy as np
 import shapely
@@ -544,31 +545,37 @@ def _force_errors(
                 )
             continue
         prescribed = bool(set(contact.parts).intersection(moving))
-        what, unit, factor = ("approach", "", 1.0) if prescribed else ("force", " %", 100.0)
-        if contact.enforcement.approximates:
-            region = max(of_contact, key=lambda region: region.by_law(prescribed=prescribed))
-            error, (small, most) = region.by_law(prescribed=prescribed), region.limits(prescribed=prescribed)
+        by_law = [(ForceError.by_law, _error_by_law)] if contact.enforcement.approximates else []
+        for measure, sentence in (*by_law, (ForceError.by_mesh, _error_by_mesh)):
+            measured = [measure(region, prescribed=prescribed) for region in of_contact]
+            error, region = max(zip(measured, of_contact, strict=True), key=itemgetter(0))
+            small, most = region.limits(prescribed=prescribed)
             worst[prescribed] = max(worst[prescribed], error)
-            size = "small" if (region.penetration < region.gap) == prescribed else "large"
-            makes = f"makes its {what} {factor * error:.2g}{unit} too {size}"
             if error > small:
-                (errors if error > most else warnings).append(
-                    f"the penetration of {name}, {region.penetration:.2g}, {makes}: raise the penalty"
-                    if region.penetration > region.gap
-                    else f"surfaces of {name} are {region.gap:.2g} apart under pressure, which {makes}: take a "
-                    "smaller barrier"
-                )
-        region = max(of_contact, key=lambda region: region.by_mesh(prescribed=prescribed))
-        error, (small, most) = region.by_mesh(prescribed=prescribed), region.limits(prescribed=prescribed)
-        worst[prescribed] = max(worst[prescribed], error)
-        if error > small:
-            advice = f"take elements of at most {region.size:.2g} there"
-            if region.chords > region.between_nodes + region.spread:
-                advice = f"its surfaces are chords of curves: give them their drawn curves (curved), or {advice}"
-            (errors if error > most else warnings).append(
-                f"the {what} of {name} may be off by {factor * error:.2g}{unit}: its mesh is too coarse; {advice}"
-            )
+                (errors if error > most else warnings).append(sentence(region, name, *_named(error, prescribed)))
     return worst[0], worst[1]
+
+
+def _named(error: float, prescribed: bool) -> tuple[str, str]:
+    """What an error is one of, and its size."""
+    return ("approach", f"{error:.2g}") if prescribed else ("force", f"{100.0 * error:.2g} %")
+
+
+def _error_by_law(region: ForceError, name: str, what: str, error: str) -> str:
+    """Sentence about the error of a region by the law of contact."""
+    size = "small" if (region.penetration < region.gap) == (what == "approach") else "large"
+    makes = f"makes its {what} {error} too {size}"
+    if region.penetration > region.gap:
+        return f"the penetration of {name}, {region.penetration:.2g}, {makes}: raise the penalty"
+    return f"surfaces of {name} are {region.gap:.2g} apart under pressure, which {makes}: take a smaller barrier"
+
+
+def _error_by_mesh(region: ForceError, name: str, what: str, error: str) -> str:
+    """Sentence about the error of a region by the mesh."""
+    advice = f"take elements of at most {region.size:.2g} there"
+    if region.chords > region.between_nodes + region.spread:
+        advice = f"its surfaces are chords of curves: give them their drawn curves (curved), or {advice}"
+    return f"the {what} of {name} may be off by {error}: its mesh is too coarse; {advice}"
 
 
 def _slide(system: ContactSystem, state: ContactState, errors: list[str]) -> tuple[float, float]:

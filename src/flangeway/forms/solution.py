@@ -456,9 +456,7 @@ def newton(
         # the forces of a first guess may be far larger than those that balance; these may be zero
         forces = float(np.linalg.norm(abs(matrix) @ np.abs(u).ravel()))
         scale = max(1e-5 * forces, min(norms[0], forces), 1e-3 * norms[-2] if iteration else 0.0)
-        if converged := norms[-1] <= tolerance * scale:
-            break
-        if iteration == max_iterations:
+        if (converged := norms[-1] <= tolerance * scale) or iteration == max_iterations:
             break
         if iteration == 1:
             problem.check_tangent(u, matrix - stabilisation)

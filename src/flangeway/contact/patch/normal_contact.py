@@ -190,6 +190,13 @@ def solve_normal(
     if start is None:
         start = np.maximum(gaps.min() + _depth(gaps) - gaps, 0.0)
     forces = start if force is None else start * force / float((shares * start).sum())
+
+    def unbalanced(deformed: Floats, touching: Bools) -> tuple[float, Floats, float]:
+        """Rigid approach of deformed surfaces, gaps after it, and the square of those that touch."""
+        rigid = _along(deformed, shares, touching) if approach is None else approach
+        left = deformed - rigid * shares
+        return rigid, left, float((left[touching] ** 2).sum())
+
     direction = np.zeros(gaps.shape)
     old_norm, restart, done = 1.0, True, False
     change, iteration, moved = np.inf, 0, influence(forces)
@@ -197,16 +204,12 @@ def solve_normal(
         iteration += 1
         touching = forces > 0.0
         deformed = gaps + moved
-        rigid = approach if approach is not None else _along(deformed, shares, touching)
-        residual = deformed - rigid * shares
-        norm = float((residual[touching] ** 2).sum())
+        _, residual, norm = unbalanced(deformed, touching)
         entering = norm <= MIN_RESIDUAL_RATIO * float((residual[residual < 0.0] ** 2).sum())
         if entering:
             # what touches is in equilibrium: the step is found with the cells that overlap
             touching, restart = touching | (residual < 0.0), True
-            rigid = approach if approach is not None else _along(deformed, shares, touching)
-            residual = deformed - rigid * shares
-            norm = float((residual[touching] ** 2).sum())
+            _, residual, norm = unbalanced(deformed, touching)
         direction = np.where(touching, residual + (0.0 if restart else norm / old_norm) * direction, 0.0)
         old_norm = norm
         if force is not None:  # no part of it may be undone by the scaling to the load
@@ -228,12 +231,9 @@ def solve_normal(
         # a small change counts if its direction was that of the residual
         small = change < tolerance and not closed.any()
         done, restart = small and restart, small or entering or bool(closed.any())
-    deformed = gaps + influence(forces)
-    touching = forces > 0.0
-    if approach is None:
-        approach = _along(deformed, shares, touching)
+    rigid, deformed, _ = unbalanced(gaps + influence(forces), forces > 0.0)
     status = Status(done, f"forces change by {change:.1e} after {iteration} iterations", iteration)
-    return NormalContact(forces, approach, deformed - approach * shares, status)
+    return NormalContact(forces, rigid, deformed, status)
 
 
 @dataclass(frozen=True, eq=False)
