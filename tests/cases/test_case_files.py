@@ -150,6 +150,7 @@ def test_every_unit_is_in_its_name():
         *("poisson", "lower_poisson", "upper_poisson", "position"),
         *("friction", "kinetic", "flange_friction", "upper_friction", "curve_end"),
         *("longitudinal_creepage", "lateral_creepage", "initial", "remaining", "rate"),
+        *("moments", "torque"),  # of sections, in N times their unit
         *("points", "start", "line_to", "arc_to", "through", "centre", "radius"),  # of outlines, as in their files
     }
     units = (

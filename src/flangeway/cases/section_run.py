@@ -1,9 +1,12 @@
 """Constants of a cross-section from a name or a file: what ``flangeway section`` computes, and the case of torsion."""
 
+# ruff: noqa: N815 (units in names)
+
 import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,17 +21,18 @@ from flangeway.errors import InputError, located
 from flangeway.formats import DrawnSection, read_section
 from flangeway.formats.drawn_section import UNITS_MM
 from flangeway.formats.outline_files import ENDINGS
+from flangeway.forms import BeamSection
 from flangeway.geometry import Arc, Section
 from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.gmsh_mesher import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
-from flangeway.records import LengthUnit
+from flangeway.records import LengthUnit, Pair
 from flangeway.results import ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
-from flangeway.types import Progress
+from flangeway.types import Floats, Progress
 
 SOLVED = Status(True, "both formulations of torsion are solved", 1)
 STEEL_KG_M3 = 7850.0
@@ -64,6 +68,14 @@ class TorsionCase(RunnableCase):
     """edge length in the section's unit (default: chosen from the section)"""
     poisson: float | None = Field(default=None, ge=0.0, le=0.5)
     """Poisson's ratio for the shear centre (default: Trefftz's shear centre)"""
+    axial_N: float = 0.0
+    """axial force at the centroid in N, tension positive"""
+    shear_N: Pair = (0.0, 0.0)
+    """shear forces in N along x and y through the shear centre"""
+    moments: Pair = (0.0, 0.0)
+    """bending moments about x and y in N times the section's unit: they pull at positive y, and at negative x"""
+    torque: float = 0.0
+    """torque about the shear centre in N times the section's unit, counter-clockwise"""
 
     @property
     def element(self) -> Element:
@@ -74,13 +86,22 @@ class TorsionCase(RunnableCase):
             return Lagrange(self.order)
 
     @property
+    def has_forces(self) -> bool:
+        """Whether there are forces, and so stresses."""
+        return any((self.axial_N, self.torque, *self.shear_N, *self.moments))
+
+    @property
     def drawn(self) -> DrawnSection:
         """What was drawn of the section."""
         return find_section(self.section, unit=self.unit, mirrored=self.half, layers=self.layers)
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
-        _ = self.drawn, self.element
+        _ = self.element
+        if len(self.drawn.section.parts) > 1 and self.has_forces:
+            raise InputError(
+                "forces on a section of several materials", "one material", "take flangeway.forms.BeamSection in Python"
+            )
 
     def run(self, progress: Progress = lambda _: None) -> "SectionRun":
         """See `RunnableCase.run`."""
@@ -96,11 +117,21 @@ class SectionRun(RunResult):
     size: float  # edge length, chosen if it was not given
     poisson: float  # Poisson's ratio for the shear centre
     space: Space  # space on the mesh
+    beam: BeamSection  # bending, shear and stresses on the mesh
     constants: SectionConstants
     """The constants; area, centroid and second moments exact for the outline's lines and arcs."""
     notices: Sequence[str]  # what the reader should know
     timings_s: Mapping[str, float]  # seconds by stage
     status: Status = SOLVED  # how it ended
+
+    @cached_property
+    def stresses(self) -> Floats | None:
+        """Stresses zz, zx, zy at the points of the mesh under all forces, (n_points, 3); None without forces."""
+        if not self.case.has_forces:
+            return None
+        axial, shear = self.case.axial_N, self.case.shear_N
+        moments, torque = self.case.moments, self.case.torque
+        return self.beam.stresses(self.space.mesh.points, force=axial, shear=shear, moments=moments, torque=torque)
 
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`: the keys have the section's unit."""
@@ -154,10 +185,11 @@ def run_section(
         centroid=drawn.section.centroid(weights),
         second_moments=drawn.section.second_moments(weights),
     )
+    beam = BeamSection(space, poisson=poisson, known=constants)
     notices = [*drawn.notices, *notices, *_corner_notices(drawn)]
     if exact.all_axes_principal:
         notices.append("Both principal moments are equal: every axis through the centroid is principal, no angle is.")
-    return SectionRun(given, drawn, size, poisson, space, exact, notices, {"total": time.perf_counter() - start})
+    return SectionRun(given, drawn, size, poisson, space, beam, exact, notices, {"total": time.perf_counter() - start})
 
 
 def usual_size(section: Section) -> float:
@@ -270,7 +302,7 @@ def _numbers(run: SectionRun) -> dict[str, Any]:
         f"second_moments_{unit}4": dict(zip(("xx", "yy", "xy"), constants.second_moments, strict=True)),
         f"principal_moments_{unit}4": [maximum, smallest],
         "principal_angle_deg": _angle_deg(constants.principal_angle),
-        **_bending(drawn, constants),
+        **_bending(run),
         f"torsion_constant_{unit}4": constants.torsion_constant,
         f"torsion_constant_prandtl_{unit}4": low,
         f"torsion_constant_warping_{unit}4": high,
@@ -288,6 +320,7 @@ def _numbers(run: SectionRun) -> dict[str, Any]:
             "unknowns": run.space.n_dofs,
             f"area_{unit}2": float(mesh.cell_areas.sum()),
         },
+        **_forces(run),
         "unit": unit,
         "certainty": drawn.certainty or None,
     }
@@ -301,8 +334,9 @@ def _numbers(run: SectionRun) -> dict[str, Any]:
     return summary
 
 
-def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict[str, float]]:
-    """Return radii of gyration, and second moments over the distance of the outermost points on each side."""
+def _bending(run: SectionRun) -> dict[str, dict[str, float]]:
+    """Return radii of gyration, elastic and plastic moduli, their ratios, and shear areas."""
+    drawn, constants = run.drawn, run.constants
     unit, (xx, yy, _) = drawn.unit, constants.second_moments
     radii = {"xx": math.sqrt(xx / constants.area), "yy": math.sqrt(yy / constants.area)}
     properties = {f"radii_of_gyration_{unit}": radii}
@@ -314,7 +348,28 @@ def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict
             "right": yy / high[0],
             "left": yy / low[0],
         }
+        plastic = {axis: run.beam.plastic(angle=angle)[1] for axis, angle in (("xx", 0.0), ("yy", 0.5 * math.pi))}
+        least = {"xx": xx / max(low[1], high[1]), "yy": yy / max(low[0], high[0])}
+        properties[f"plastic_moduli_{unit}3"] = plastic
+        properties["shape_factors"] = {axis: plastic[axis] / least[axis] for axis in plastic}
+        properties[f"shear_areas_{unit}2"] = dict(zip("xy", run.beam.shear_areas.tolist(), strict=False))
     return properties
+
+
+def _forces(run: SectionRun) -> dict[str, Any]:
+    """Return the largest stresses under the forces of the case, and where the von Mises stress is largest."""
+    if run.stresses is None:
+        return {}
+    unit, normal = run.drawn.unit, run.stresses[:, 0]
+    of = "MPa" if unit == "mm" else f"N_per_{unit}2"
+    shear = norms(run.stresses[:, 1:])
+    mises = np.sqrt(normal**2 + 3.0 * shear**2)
+    return {
+        f"normal_stress_{of}": [float(normal.min()), float(normal.max())],
+        f"max_shear_stress_{of}": float(shear.max()),
+        f"max_von_mises_{of}": float(mises.max()),
+        f"max_von_mises_position_{unit}": run.space.mesh.points[mises.argmax()].tolist(),
+    }
 
 
 def _angle_deg(angle_rad: float) -> float:

@@ -153,6 +153,14 @@ def section(
         float | None,
         typer.Option("--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out."),
     ] = None,
+    axial: Annotated[float, typer.Option("--axial", metavar="N", help="Axial force, tension positive.")] = 0.0,
+    shear: Annotated[
+        tuple[float, float], typer.Option("--shear", metavar="VX VY", help="Shear forces through the shear centre.")
+    ] = (0.0, 0.0),
+    moments: Annotated[
+        tuple[float, float], typer.Option("--moments", metavar="MX MY", help="Bending moments, N times the unit.")
+    ] = (0.0, 0.0),
+    torque: Annotated[float, typer.Option("--torque", metavar="T", help="Torque, N times the unit.")] = 0.0,
     unit: Unit = None,
     mirror: Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")] = False,
     layer: Annotated[
@@ -169,7 +177,8 @@ def section(
 
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "layers": layer or []}
     mesh = {"method": method, "order": order, "size": size, "poisson": poisson}
-    case = TorsionCase.from_values({**inputs, **mesh, "units": show.units or "metric"})
+    forces = {"axial_N": axial, "shear_N": shear, "moments": moments, "torque": torque}
+    case = TorsionCase.from_values({**inputs, **mesh, **forces, "units": show.units or "metric"})
     case.check()
     folder = results_folder(out, f"section-{Path(name_or_file).stem}")
     with show.progress() as progress:

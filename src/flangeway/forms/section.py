@@ -39,6 +39,8 @@ class BeamSection:
         Young's modulus E of all cells, or of each named cell set.
     poisson
         Poisson's ratio of all materials, 0 to 1/2.
+    known
+        Constants of this space, modulus and ratio, if they were computed before.
 
     Raises
     ------
@@ -50,6 +52,7 @@ class BeamSection:
     space: Space
     young: ByCells = 1.0
     poisson: float = 0.0
+    known: SectionConstants | None = None
 
     def __post_init__(self) -> None:
         check_between("BeamSection", "poisson", self.poisson, 0.0, 0.5, advice="give Poisson's ratio")
@@ -57,7 +60,7 @@ class BeamSection:
 
     @cached_property
     def _constants(self) -> SectionConstants:
-        return section_constants(self.space, shear_modulus=self.young, poisson=self.poisson)
+        return self.known or section_constants(self.space, shear_modulus=self.young, poisson=self.poisson)
 
     @property
     def _mean(self) -> float:

@@ -109,6 +109,14 @@ def shear_figure(run: SectionRun) -> Figure:
     return figure
 
 
+def stress_figure(run: SectionRun) -> Figure:
+    """Draw the von Mises stress under the forces of the case."""
+    assert run.stresses is not None  # drawn only where there are forces
+    normal, shear = run.stresses[:, 0], norms(run.stresses[:, 1:])
+    unit = "MPa" if run.drawn.unit == "mm" else f"N/{run.drawn.unit}²"
+    return _contours(run, np.sqrt(normal**2 + 3.0 * shear**2), "von Mises stress under all forces", unit)
+
+
 def _fans(mesh: PolyMesh) -> Ints:
     """Cells as fans of triangles about their first corner: numbers of corners of cells, shape (n, 3)."""
     fans = [
@@ -119,7 +127,7 @@ def _fans(mesh: PolyMesh) -> Ints:
     return np.vstack(fans)
 
 
-def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
+def _contours(run: SectionRun, values: Floats, title: str, unit: str | None = None) -> Figure:
     """Draw values at the points of the mesh (n_points,) with lines of equal value; dashed ones are negative."""
     mesh = run.space.mesh
     figure, axes = _new(run)
@@ -132,7 +140,7 @@ def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
     _outline(axes, mesh)
     _frame(axes, run)
     axes.set_title(title, fontsize=10)
-    colour_bar(shade, axes, title.partition(",")[0], f"{run.drawn.unit}²", shrink=0.85)
+    colour_bar(shade, axes, title.partition(",")[0], unit or f"{run.drawn.unit}²", shrink=0.85)
     return figure
 
 
@@ -178,5 +186,6 @@ PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
 
 def section_pictures(run: SectionRun) -> list[Picture]:
     """Pictures of a section, the most important first."""
-    draws = PICTURES.items()
+    forces = {"stress.png": (stress_figure, "The von Mises stress under the given forces")}
+    draws = [*(forces.items() if run.stresses is not None else ()), *PICTURES.items()]
     return [Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in draws]

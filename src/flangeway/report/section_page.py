@@ -96,6 +96,7 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     bounds = ("lower bound (Prandtl)", "upper bound (warping)")
     if not constants.bounds_certain:
         bounds = ("from Prandtl's function", "from the warping function")
+    keyed, stress = ("MPa", "MPa") if unit == "mm" else (f"N_per_{unit}2", f"N/{unit}²")
     shown = (
         ("area_{u}2", "area", "{u}²", ".7g"),
         ("mass_per_metre_kg_m", f"mass per length, {steel}", "kg/m", ".4g"),
@@ -105,6 +106,9 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
         ("principal_angle_deg", "angle of principal axis 1 from x, degrees", "", ".5g"),
         ("radii_of_gyration_{u}", "radius of gyration about {0[0]}", "{u}", ".6g"),
         ("section_moduli_{u}3", "section modulus, {}", "{u}³", ".6g"),
+        ("plastic_moduli_{u}3", "plastic modulus about {0[0]}", "{u}³", ".6g"),
+        ("shape_factors", "shape factor about {0[0]}", "", ".4g"),
+        ("shear_areas_{u}2", "shear area along {}", "{u}²", ".6g"),
         ("torsion_constant_{u}4", "torsion constant J", "{u}⁴", ".7g"),
         ("torsion_constant_prandtl_{u}4", f"  {bounds[0]}", "{u}⁴", ".7g"),
         ("torsion_constant_warping_{u}4", f"  {bounds[1]}", "{u}⁴", ".7g"),
@@ -113,6 +117,10 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
         *([("shear_centre_trefftz_{u}", "shear centre by Trefftz {}", "{u}", ".6g")] if poisson else []),
         ("warping_constant_{u}6", "warping constant", "{u}⁶", ".7g"),
         ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", "{u}⁻³", ".5g"),
+        (f"normal_stress_{keyed}", "normal stress, {}", stress, ".5g"),
+        (f"max_shear_stress_{keyed}", "maximum shear stress", stress, ".5g"),
+        (f"max_von_mises_{keyed}", "maximum von Mises stress", stress, ".5g"),
+        ("max_von_mises_position_{u}", "  at {}", "{u}", ".6g"),
     )
     (ixx, iyy, _), (low, high) = constants.second_moments, constants.torsion_bounds
     numbers = run.summary | {
@@ -124,9 +132,10 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     for key, label, of, form in shown:
         value = numbers.get(key.format(u=unit))
         if isinstance(value, list):
-            value = dict(zip("12" if key.startswith("principal") else "xy", value, strict=True))
+            names = {"principal_moments_{u}4": "12", f"normal_stress_{keyed}": ("minimum", "maximum")}
+            value = dict(zip(names.get(key, "xy"), value, strict=True))
         for part, number in value.items() if isinstance(value, dict) else (("", value),):
-            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0))
+            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0)) + 0.0
             words, name = label.format(part), f"{key} {part}".strip()
             quantities.append(Quantity(name, words, partial(_same, shown_value), of.format(u=unit), form))
     return quantities
