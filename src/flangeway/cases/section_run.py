@@ -357,7 +357,7 @@ def _bending(run: SectionRun) -> dict[str, dict[str, float]]:
 
 
 def _forces(run: SectionRun) -> dict[str, Any]:
-    """Return the largest stresses under the forces of the case, and where the von Mises stress is largest."""
+    """Return the maximum stresses under the forces of the case, and where the von Mises stress has its maximum."""
     if run.stresses is None:
         return {}
     unit, normal = run.drawn.unit, run.stresses[:, 0]
