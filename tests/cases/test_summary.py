@@ -11,7 +11,7 @@ from flangeway.errors import InputError
 from flangeway.formats import DrawnSection, PartMaterial
 from flangeway.geometry import Region, Section, circle, polygon, rectangle, square
 from flangeway.records import flattened
-from flangeway.report.wheelset.wheelset_page import wheelset_record
+from flangeway.report.wheelset.wheelset_page import plane_record
 
 IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
 SHAPE = {
@@ -81,7 +81,7 @@ def test_a_prescribed_motion_is_not_in_equilibrium():
     )
     assert abs(summary["residual"]["lateral"]) > 1e-3
     assert summary["position"]["stable"] is None
-    assert wheelset_record(run).results.rows[0][1] == "2.000"
+    assert plane_record(run).results.rows[0][1] == "2.000"
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from flangeway.report.figures.drawing import COLOURS, SIGNED
 from flangeway.report.figures.plots import drawn_parts, plot_stress
 from flangeway.report.patch_figures import maps_figure, rolling_figure, shakedown_figure
 from flangeway.report.patch_maps import PatchMap, ShownRolling
-from flangeway.report.wheelset.wheelset_figures import ORDINATE_MM, contact_figure, nodes_figure, section_figure
+from flangeway.report.wheelset.wheelset_figures import ORDINATE_MM, contact_figure, nodes_figure, plane_section_figure
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 from flangeway_studies.rolling_cases import elliptic
@@ -37,7 +37,7 @@ from flangeway_studies.rolling_cases import elliptic
 
 def figures(run):
     """All pictures of a run, in the order of the page."""
-    return section_figure(run), contact_figure(run), nodes_figure(run)
+    return plane_section_figure(run), contact_figure(run), nodes_figure(run)
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_a_side_without_contact_is_drawn(runs):
     """A side that does not touch is in the section, without a force."""
     run = runs["fem"]
     right = tuple(patch for patch in run.result.patches if patch.side == "right")
-    left, other = section_figure(replace(run, result=replace(run.result, patches=right))).axes
+    left, other = plane_section_figure(replace(run, result=replace(run.result, patches=right))).axes
     assert left.patches
     assert not left.texts
     assert other.texts
@@ -96,7 +96,7 @@ def test_the_area_of_the_pressures_is_the_force(runs):
     """In the section, the pressures of a patch cover its force over the length, in their scale."""
     run = runs["fem"]
     highest = max(patch.max_pressure for patch in run.patches)
-    for axes, side in zip(section_figure(run).axes, SIDES, strict=True):
+    for axes, side in zip(plane_section_figure(run).axes, SIDES, strict=True):
         (patch,) = (patch for patch in run.patches if patch.side == side)
         x, y = axes.patches[-1].get_xy()[:-1].T
         area = abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0

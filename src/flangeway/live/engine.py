@@ -41,7 +41,7 @@ from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.html_page import command_line, report_page
 from flangeway.report.wheelset.wheelset_files import patch_map
-from flangeway.report.wheelset.wheelset_page import below_fields, results_table, stresses_below, wheelset_facts
+from flangeway.report.wheelset.wheelset_page import below_fields, results_table, spatial_facts, stresses_below
 from flangeway.system.disk_cache import LatestValues
 from flangeway.system.output_folder import write_together
 from flangeway.types import Floats, Progress, floats
@@ -194,7 +194,7 @@ class LiveEngine:
             "converged": result.status.converged,
             "message": result.status.message,
             "warnings": list(result.warnings),
-            "facts": wheelset_facts(run),
+            "facts": spatial_facts(run),
             "table": {"header": table.header, "rows": table.rows},
             "patches": _patches(run),
             "contacts": _contacts(run),

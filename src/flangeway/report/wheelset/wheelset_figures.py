@@ -1,6 +1,6 @@
 """Pictures of a wheelset and its patches, standing or rolling."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -55,22 +55,36 @@ HALF_VIEW_MM = 50.0
 """Half the width and height of what is shown of each side in section."""
 GAUGE_SIDE_MM = 10.0
 """By which its middle lies beside that of the rail's head."""
+Pressed = tuple[Floats, Floats, Floats]
+"""Points (n, 2) under pressure, the rail's normals there, and the maximum pressures (n,) along the track."""
 ORDINATE_MM, ARROW_MM = 14.0, 24.0
 """Of the maximum pressure in the section, and of forces."""
 WINDOW = 2.2
 """Half width of what is shown of stresses about a plane contact, in half widths of the contact."""
 
 
-def section_figure(run: AnyWheelsetRun) -> Figure:
+def section_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw both sides in section with their pressures and forces."""
+    return _section(run, partial(_outlines, run.result), partial(_pressures, run.result))
+
+
+def plane_section_figure(run: PlaneWheelsetRun) -> Figure:
+    """Draw both sides of a plane wheelset, deformed, with their pressures and forces."""
+    return _section(run, partial(_deformed, run.result), partial(_plane_pressures, run.result))
+
+
+def _section(
+    run: AnyWheelsetRun, outlines: Callable[[Side], Sequence[Floats]], pressures_of: Callable[[Side], Iterable[Pressed]]
+) -> Figure:
+    """Both sides: outlines of rail and wheel, and what is under pressure."""
     highest = max((patch.max_pressure for patch in run.patches), default=1.0)
     figure, (both,) = panels(11.0, 5.9, 1, 2, run.case.units)
     for axes, side in zip(both, SIDES, strict=True):
         axes.grid(visible=False)
-        bodies = _deformed(run.result, side) if isinstance(run, PlaneWheelsetRun) else _outlines(run.result, side)
+        bodies = outlines(side)
         for points in bodies:
             axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
-        for points, normals, pressures in _pressures(run, side):
+        for points, normals, pressures in pressures_of(side):
             ordinates = points - ORDINATE_MM / highest * pressures[:, None] * normals
             axes.fill(*np.vstack((points, ordinates[::-1])).T, color=PURPLE, alpha=0.55, lw=0.0)
             axes.plot(*ordinates.T, color=PURPLE, lw=0.9)
@@ -107,15 +121,15 @@ def _deformed(result: WheelsetResult, side: Side) -> list[Floats]:
     return rims
 
 
-def _pressures(run: AnyWheelsetRun, side: Side) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Points (n, 2) under pressure, the rail's normals there, and the maximum pressures (n,) along the track."""
-    if isinstance(run, PlaneWheelsetRun):
-        for patch in run.result.patches:
-            if patch.side == side:
-                normal = patch.force_on_wheel_N / patch.normal_force_N
-                yield patch.points, np.broadcast_to(normal, patch.points.shape), patch.pressures
-        return
-    state, mirror = run.result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
+def _plane_pressures(result: WheelsetResult, side: Side) -> Iterator[Pressed]:
+    for patch in result.patches:
+        if patch.side == side:
+            normal = patch.force_on_wheel_N / patch.normal_force_N
+            yield patch.points, np.broadcast_to(normal, patch.points.shape), patch.pressures
+
+
+def _pressures(result: SpatialResult, side: Side) -> Iterator[Pressed]:
+    state, mirror = result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
     values = state.cells.pressures.max(axis=1)
     loaded = np.flatnonzero(values > 0.0)
     if len(loaded):
@@ -323,7 +337,7 @@ RAILS_PICTURE: Described = (
 PLANE_PICTURES: tuple[Described, ...] = (
     (
         "wheelset.png",
-        section_figure,
+        plane_section_figure,
         "The wheelset in section. Violet: the contact pressure, drawn into the rail. Arrows: forces on the wheels.",
     ),
     (
@@ -342,16 +356,21 @@ PLANE_PICTURES: tuple[Described, ...] = (
 """PICTURES, RAILS_PICTURE, PLANE_PICTURES: pictures of a wheelset in three dimensions, and in the plane."""
 
 
-def wheelset_pictures(run: AnyWheelsetRun) -> list[Picture]:
+def wheelset_pictures(run: SpatialWheelsetRun) -> list[Picture]:
     """Pictures of a run: of the patches where there are some, of the rails where they bend, of friction with it."""
-    described = PLANE_PICTURES if isinstance(run, PlaneWheelsetRun) else PICTURES
-    # a search that found no equilibrium has no patches
-    described = described[: None if run.patches else 1]
-    if isinstance(run, PlaneWheelsetRun):
-        return _pictures(run, described)
     rails = (RAILS_PICTURE,) if run.result.rails else ()
-    return [*_pictures(run, (*described, *rails)), *rolling_pictures(run)]
+    return [*_pictures(run, PICTURES), *_drawn(run, rails), *rolling_pictures(run)]
+
+
+def plane_pictures(run: PlaneWheelsetRun) -> list[Picture]:
+    """Pictures of a run of a plane wheelset."""
+    return _pictures(run, PLANE_PICTURES)
 
 
 def _pictures(run: AnyWheelsetRun, described: Sequence[Described]) -> list[Picture]:
+    """Pictures, the first alone where a search that found no equilibrium has no patches."""
+    return _drawn(run, described if run.patches else described[:1])
+
+
+def _drawn(run: AnyWheelsetRun, described: Sequence[Described]) -> list[Picture]:
     return [Picture(name, partial(draw, run), caption) for name, draw, caption in described]

@@ -9,31 +9,21 @@ from scipy.interpolate import RegularGridInterpolator
 
 from flangeway.cases.wheelset.wheelset_case import AnyWheelsetRun, PlaneWheelsetRun, SpatialWheelsetRun
 from flangeway.cases.wheelset.wheelset_quantities import (
-    APPROACH,
     CREEP_FURTHER,
     CREEP_MAIN,
-    GAUGE,
-    GAUGE_DEPTH,
     LATERAL,
-    LATERAL_UNCERTAINTY,
     LOAD,
     LOAD_FACTOR,
     MAX_VON_MISES,
     MESH,
-    MOTION,
-    NADAL,
     NADAL_WORDS,
     PATCH,
-    PLANE_FURTHER,
-    PLANE_MAIN,
     PRESSURE,
     RATIO,
     REFERENCE,
     RESIDUAL,
     ROLLING,
     SHAKEDOWN,
-    SPATIAL_FURTHER,
-    SPATIAL_MAIN,
     TRACK,
     patch_name,
 )
@@ -293,28 +283,25 @@ AXES = TRACK_AXES | {
 }
 
 
-def wheelset_record(run: AnyWheelsetRun) -> Report:
-    """Return what a run of a wheelset found."""
-    shared = {
-        "facts": wheelset_facts(run),
-        "results": results_table(run),
-        "sentences": [REFERENCE],
-        "warnings": run.warnings,
-        "assumptions": run.case.assumptions(run.result),
-        "tables": _tables(run),
-        "pictures": lambda: _pictures(run),
-    }
-    if isinstance(run, PlaneWheelsetRun):
-        return run_record(
-            run,
-            PLANE_FILES,
-            GIVEN[:4],
-            subtitle=f"{_what(run)}; plane strain, {run.problem.plane.thickness_mm:.4g} mm of length; {_method(run)}",
-            scene=lambda: wheelset_scene(list(part_fields(run.result)), run.result.patches),
-            axes=TRACK_AXES,
-            files=lambda: _plane_files(run),
-            **shared,
-        )
+def plane_record(run: PlaneWheelsetRun) -> Report:
+    """Return what a run of a plane wheelset found."""
+    return run_record(
+        run,
+        PLANE_FILES,
+        GIVEN[:4],
+        subtitle=f"{_what(run)}; plane strain, {run.problem.plane.thickness_mm:.4g} mm of length; {_method(run)}",
+        facts=wheelset_facts(run),
+        tables=[*_tables(run), table_of("Bodies", run.result.model.bodies, MESH)],
+        scene=lambda: wheelset_scene(list(part_fields(run.result)), run.result.patches),
+        axes=TRACK_AXES,
+        pictures=lambda: _plane_pictures(run),
+        files=lambda: _plane_files(run),
+        **_shared(run),
+    )
+
+
+def wheelset_record(run: SpatialWheelsetRun) -> Report:
+    """Return what a run of a wheelset in three dimensions found."""
     rolls = bool(run.result.rolling)
     return run_record(
         run,
@@ -322,16 +309,35 @@ def wheelset_record(run: AnyWheelsetRun) -> Report:
         # a curve gives the lateral force
         [key for key in GIVEN if key != "load.lateral_force_kN" or run.case.load.curve is None],
         subtitle=_what(run),
+        facts=spatial_facts(run),
+        tables=[*_tables(run), *([rails_table(run)] if run.result.rails else [])],
         scene=lambda: pressure_scene(run),
         chapters={"Rolling": _rolling_tables(run)} if rolls else {},
+        pictures=lambda: _pictures(run),
         axes=AXES | (ROLLING_AXES if rolls else {}),
         files=lambda: _files(run, {}),
         with_sections=lambda: _files(run, {role: whole_sections(run.result, role) for role in ROLES}),
-        **shared,
+        **_shared(run),
     )
 
 
-def _pictures(run: AnyWheelsetRun) -> Sequence[Picture]:
+def _shared(run: AnyWheelsetRun) -> dict[str, Any]:
+    """What the report has of both kinds."""
+    return {
+        "results": results_table(run),
+        "sentences": [REFERENCE],
+        "warnings": run.warnings,
+        "assumptions": run.case.assumptions(run.result),
+    }
+
+
+def _plane_pictures(run: PlaneWheelsetRun) -> Sequence[Picture]:
+    from flangeway.report.wheelset.wheelset_figures import plane_pictures  # noqa: PLC0415 (it loads Matplotlib)
+
+    return plane_pictures(run)
+
+
+def _pictures(run: SpatialWheelsetRun) -> Sequence[Picture]:
     from flangeway.report.wheelset.wheelset_figures import wheelset_pictures  # noqa: PLC0415 (it loads Matplotlib)
 
     return wheelset_pictures(run)
@@ -368,22 +374,23 @@ def wheelset_facts(run: AnyWheelsetRun) -> list[tuple[str, str]]:
     units = run.case.units
     wheels = [wheel for wheel in run.wheels if wheel.lateral_over_vertical is not None]
     facts = [fact(RATIO, wheel, units, f"{wheel.side} wheel") for wheel in wheels]
-    if isinstance(run, SpatialWheelsetRun):
-        words = {wheel.side: wheel.nadal_words for wheel in run.wheels if wheel.lateral_over_vertical is not None}
-        facts += [(text, f"Nadal's criterion, {side} wheel") for side, text in words.items() if text]
+    facts += [(wheel.nadal_words, f"Nadal's criterion, {wheel.side} wheel") for wheel in wheels if wheel.nadal_words]
     facts.append(fact(LATERAL, run.result, units))
-    facts += [fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)]
-    spatial = run.result.patches if isinstance(run, SpatialWheelsetRun) else ()
-    for patch in sorted(spatial, key=lambda patch: -patch.max_pressure)[:1]:
+    return facts + [
+        fact(PRESSURE, patch, units, name) for patch, name in zip(run.patches, run.patch_names, strict=True)
+    ]
+
+
+def spatial_facts(run: SpatialWheelsetRun) -> list[tuple[str, str]]:
+    """Return the most important numbers of a wheelset in three dimensions, with those of its steel and its rolling."""
+    units, facts = run.case.units, wheelset_facts(run)
+    for patch in sorted(run.result.patches, key=lambda patch: -patch.max_pressure)[:1]:
         name = patch_name(patch)
         if LOAD_FACTOR.value(patch) is not None:
             facts.append((f"{LOAD_FACTOR.texts(patch)[0]}: {SHAKEDOWN.value(patch)}", f"p0/k and shakedown, {name}"))
         facts.append(fact(MAX_VON_MISES, patch, units, name))
-    if isinstance(run, SpatialWheelsetRun) and run.result.rolling:
-        facts += [
-            fact(quantity, run.result, units) for quantity in present(ROLLING, run.result) if quantity.key in SHOWN
-        ]
-    return facts
+    rolling = present(ROLLING, run.result) if run.result.rolling else []
+    return facts + [fact(quantity, run.result, units) for quantity in rolling if quantity.key in SHOWN]
 
 
 def _of_wheels(quantities: Sequence[Quantity[Any]], run: AnyWheelsetRun) -> dict[str, dict[str, str]]:
@@ -399,37 +406,23 @@ def _of_wheels(quantities: Sequence[Quantity[Any]], run: AnyWheelsetRun) -> dict
 
 def results_table(run: AnyWheelsetRun) -> SummaryTable:
     """Position, L/V of the wheels and patches, one column a patch; what is of a side is in its first column."""
-    units, sides = run.case.units, [patch.side for patch in run.patches]
-    position: Sequence[Quantity[Any]] = (LATERAL, APPROACH)
-    quantities: Sequence[Quantity[Any]] = PLANE_MAIN
-    wheels: Sequence[Quantity[Any]] = (RATIO, GAUGE_DEPTH)
-    if isinstance(run, SpatialWheelsetRun):
-        rolls = bool(run.result.rolling)
-        quantities = (*SPATIAL_MAIN, *(CREEP_MAIN if rolls else ()))
-        position = (*MOTION[:1], *present([LATERAL_UNCERTAINTY], run.result), *MOTION[1:])
-        wheels = (RATIO, *(NADAL if rolls else ()), GAUGE, GAUGE_DEPTH)
-    whole = dict(rows_of(position, run.result, units))
-    table = table_across("Results", run.patch_names, run.patches, quantities, units=units)
-    return with_whole(table, whole, sides, _of_wheels(wheels, run))
+    units, shown = run.case.units, run.shown
+    whole = dict(rows_of(shown.position, run.result, units))
+    table = table_across("Results", run.patch_names, run.patches, shown.patches, units=units)
+    return with_whole(table, whole, [patch.side for patch in run.patches], _of_wheels(shown.wheels, run))
 
 
 def _tables(run: AnyWheelsetRun) -> list[SummaryTable]:
     """Further numbers."""
-    units, result, in_space = run.case.units, run.result, not isinstance(run, PlaneWheelsetRun)
-    further = SPATIAL_FURTHER if in_space else PLANE_FURTHER
-    position = (*MOTION, APPROACH)[3 if in_space else 1 :]
-    rows = rows_of(position, result, units) + rows_of(TRACK, run.problem.track, units)
+    units, result, shown = run.case.units, run.result, run.shown
+    rows = rows_of(shown.further_position, result, units) + rows_of(TRACK, run.problem.track, units)
     rows += rows_of(LOAD, run.problem.forces, units)
     rows += rows_of(RESIDUAL, result.equilibrium.residuals)
     tables = [
-        table_across("Patches", run.patch_names, run.patches, further, units=units),
+        table_across("Patches", run.patch_names, run.patches, shown.further_patches, units=units),
         SummaryTable("Track, position, load and equilibrium", ("", "value"), tuple(rows)),
         table_across("Wheels and rails", SIDES, run.wheels, run.wheel_quantities, units=units),
     ]
-    if isinstance(run, PlaneWheelsetRun):
-        tables.append(table_of("Bodies", run.result.model.bodies, MESH))
-    elif run.result.rails:
-        tables.append(rails_table(run))
     return tables if run.patches else tables[1:]
 
 
