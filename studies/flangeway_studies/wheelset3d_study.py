@@ -18,7 +18,7 @@ from flangeway.railway.track.wheelset_problem import Mesh, Method, Plane, Yieldi
 from flangeway.railway.wheelset.fine_cells import finer
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
-from flangeway.railway.wheelset.side_newton import solve_side
+from flangeway.railway.wheelset.side_newton import solve_side, stiffness_of
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheel_patch import spatial_patch
@@ -155,13 +155,14 @@ def _pressed(
     """Position and contact on a grid, by Newton's method."""
     forces: Floats | float = 0.0
     for _ in range(MAX_STEPS):
-        state = solve_side(grid, pose_of(wheelset.problem, position, side, wheelset.problem.position.yaw_rad), forces)
+        pose = pose_of(wheelset.problem, position, side, wheelset.problem.position.yaw_rad)
+        state = solve_side(grid, pose, forces)
         missing = force - state.resultant[1]
         if abs(missing) <= FORCE_TOLERANCE * force:
             return position, state
         touches = bool(state.forces.any())
         forces = state.forces
-        step = missing / state.stiffness[1, 1] if touches else -FIRST_MM
+        step = missing / stiffness_of(state)[1, 1] if touches else -FIRST_MM
         position = position.moved(WheelsetPosition(0.0, step))
     raise InputError(
         f"a force of {force:g} N on the {side} wheel at {position.lateral_mm:g} mm and {position.roll_rad:g} rad",

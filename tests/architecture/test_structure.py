@@ -124,7 +124,7 @@ def test_the_main_job_passes_one_problem_from_the_command_to_the_residual(monkey
     def watch(frame, event, _):
         if not frame.f_code.co_filename.startswith(str(PACKAGE)):
             return
-        if (frame.f_code.co_name, event) == ("linearise", "call"):
+        if (frame.f_code.co_name, event) == ("linearised", "call"):
             sys.setprofile(None)
             on_stack = [call for call in traceback.extract_stack(frame) if str(PACKAGE) in call.filename]
             functions.extend(call.name for call in on_stack)
@@ -140,7 +140,7 @@ def test_the_main_job_passes_one_problem_from_the_command_to_the_residual(monkey
     words = ["run", "wheelset", "--order", "1", "--size-scale", "8", "--set", "patch_cells=10", "--out", str(tmp_path)]
     run_watched(monkeypatch, words, watch)
     functions = functions[functions.index("command") :]
-    assert functions[-1] == "linearise"
+    assert functions[-1] == "linearised"
     assert len(functions) <= MAX_FUNCTIONS
     assert len(problems) == 1
     assert 0 < sum(returns.values()) <= MAX_RETURNS, returns

@@ -27,7 +27,7 @@ from flangeway.railway.damage.wear_laws import (
 from flangeway.railway.damage.worn_surface import WornSurface, reached, worn_measures
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.wheelset.spatial_result import solve_spatial
-from flangeway.railway.wheelset.spatial_wheelset import RollingPlace
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace
 
 COARSE = {
     "size_scale": 6.0,

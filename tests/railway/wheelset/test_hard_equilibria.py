@@ -1,5 +1,6 @@
 """Wheelsets in space that stood without being found, and gaps to a wheel as a true surface of revolution."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +16,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.wheelset_newton import WheelsetNewton
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace, WheelsetNewton
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -155,10 +156,12 @@ def test_a_step_limit_shrinks_with_the_sense_of_steps_and_recovers():
     """After four changes of sense it is below a tenth of the first; steps of one sense bring it back, no farther."""
     reach = Reach(1.0, 1.0)
     for sense in (1.0, -1.0, 1.0, -1.0, 1.0):
-        reach.last = sense * reach.limit_of(sense, halved=False)
+        reach = reach.towards(sense, halved=False)
+        reach = replace(reach, last=sense * reach.limit)
     assert reach.limit < 0.1
     for _ in range(30):
-        reach.last = reach.limit_of(1.0, halved=False)
+        reach = reach.towards(1.0, halved=False)
+        reach = replace(reach, last=reach.limit)
     assert reach.limit == pytest.approx(1.0)
 
 
@@ -173,13 +176,13 @@ def cells_of_the_middle():
 def test_cells_that_are_chosen_twice_at_one_position_keep_the_way_to_it():
     """Where it was forgotten, a wheelset that had gone too far went on in the same steps back and forth."""
     wheelset, position, grids = cells_of_the_middle()
-    newton = WheelsetNewton(wheelset.problem, grids, position, np.zeros((4, 4)), None, None)
-    newton.linearise(1e-3)
-    newton.across = Reach(1.2, 1.2, last=-1.2)
+    place = RollingPlace.at(position, np.zeros(4), 0.0, 0.0)
+    newton = WheelsetNewton.of(wheelset.problem, np.zeros((4, 4)), place, grids).linearised(1e-3).newton
+    newton = replace(newton, reaches={0: Reach(1.2, 1.2, last=-1.2)})
     for _ in range(2):
-        newton.place(grids, newton.contact)
-    assert newton.across.last < 0.0
-    assert newton.across.limit < 1.2
+        newton = newton.on(grids, newton.contact)
+    assert newton.reaches[0].last < 0.0
+    assert newton.reaches[0].limit < 1.2
 
 
 def test_cells_farther_apart_than_the_compliances_are_tabulated_have_coefficients():

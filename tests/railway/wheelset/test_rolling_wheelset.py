@@ -17,7 +17,7 @@ from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, pat
 from flangeway.railway.wheelset.side_contact import WheelPose
 from flangeway.railway.wheelset.side_newton import MOTIONS
 from flangeway.railway.wheelset.spatial_result import solve_position
-from flangeway.railway.wheelset.spatial_wheelset import RollingPlace
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace
 from tests.railway.wheelset.conftest import coarse_case
 
 ROLLS = {"rolling.speed_km_h": 72.0, "friction": 0.3, "theory": "fastsim"}

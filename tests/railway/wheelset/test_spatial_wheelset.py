@@ -191,8 +191,8 @@ def state_of(bounds, loaded, gaps=1.0):
     surfaces = SimpleNamespace(rail_stations=np.array([[-50.0, -50.0], [50.0, 50.0]]), modulus=1e5)
     side = GriddedSide(surfaces, grid, WheelPose(0.0, 460.0, 0.0))
     gaps = np.where(forces > 0.0, 0.0, gaps)
-    stiffness, creep = np.zeros((3, 6)), np.zeros((len(forces), 2))
-    return SideState(side, side.pose, forces, points, normals, SimpleNamespace(gaps=gaps), gaps, stiffness, creep)
+    creep = np.zeros((len(forces), 2))
+    return SideState(side, side.pose, forces, points, normals, SimpleNamespace(gaps=gaps), gaps, creep)
 
 
 def covered(cells, low, high):

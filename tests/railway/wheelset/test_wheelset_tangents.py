@@ -8,10 +8,10 @@ import pytest
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
-from flangeway.railway.wheelset.side_newton import MOTIONS, SideNewton, solve_side
+from flangeway.railway.wheelset.side_newton import MOTIONS, SideNewton, solve_side, stiffness_of
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.wheelset_newton import WheelsetNewton
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace, WheelsetNewton, bending_of
 from tests.railway.wheelset.conftest import coarse_case
 
 POSES = {"x": 1e-4, "y": 1e-4, "roll_rad": 2e-7, "deflection_mm": 1e-4, "tilt_rad": 2e-7, "yaw_rad": 1e-6}
@@ -32,9 +32,9 @@ def test_the_stiffness_across_and_upwards_is_symmetric(axle):
     wheelset = SpatialWheelset(case, running_surfaces(case))
     equilibrium = solve_position(wheelset, {}).equilibrium
     state = equilibrium.state
-    newton = WheelsetNewton(case, state.grids, equilibrium.position, wheelset.compliance, state, None)
-    newton.linearise(1e-8)
-    whole = -newton.condensed
+    place = RollingPlace.at(equilibrium.position, bending_of(state.sides), 0.0, 0.0)
+    newton = WheelsetNewton.of(case, wheelset.compliance, place, state.grids, state)
+    whole = -newton.linearised(1e-8).condensed
     (_, k_xy), (k_yx, k_yy) = whole[:2, :2] - whole[:2, 2:] @ whole[2:, :2] / whole[2, 2]
     assert k_xy == pytest.approx(k_yx, abs=1e-3 * k_yy)
 
@@ -68,7 +68,7 @@ def test_the_tangent_without_friction_is_the_derivative(wheelset, inputs):
     for side in SIDES:
         at, errors = equilibrium.state.sides[side], []
         arm = np.array([1.0, 1.0, at.pose.seat_mm])  # the moment as forces at the wheel
-        tangent = solve_side(at.grid, at.pose, at.forces).stiffness[:, BY_POSE].T / arm
+        tangent = stiffness_of(at)[:, BY_POSE].T / arm
         # in the one a cell may change sides, in the other round-off shows
         for part in (1.0, 0.1):
             differences = []
@@ -93,22 +93,21 @@ def test_the_tangent_with_friction_is_near_the_derivative(wheelset, theory, erro
 
     def side_at(**change):
         pose = replace(state.pose, **{name: getattr(state.pose, name) + step for name, step in change.items()})
-        creep = WheelsetCreep(case, rolled.rate_rad_s, before=rolled.creep)
-        last = rolled.creep["right"]
-        newton = SideNewton(state.grid, pose, state.forces, state.creep, last.gap_increase, rolls=True)
+        creep, found = WheelsetCreep(case, rolled.rate_rad_s), rolled.creep["right"]
+        newton = SideNewton.of(state.grid, pose, state.forces, state.creep, found.gap_increase, rolls=True)
         slopes = None
         for _ in range(12):
-            newton.linearise(pose)
+            newton = newton.linearised(pose)
             normal = np.zeros(newton.forces.shape)
-            normal[newton.touching] = forces = np.maximum(newton.solve()[0], 0.0)
-            found = creep.of_side("right", newton, normal)
+            normal[newton.touching] = forces = np.maximum(newton.solved[0], 0.0)
+            found = creep.of_side("right", newton, normal, found)
             slopes = slopes or creep.derivatives("right", newton, normal, found)
-            newton.bend(found.resultant, found.rows, found.gap_increase, forces, slopes)
-            forces, by = newton.solve()
-            resultant = newton.resultants(forces, by)[1]
-            if newton.take(forces, np.zeros(len(MOTIONS))) < 1e-11:
+            newton = newton.bent(found.resultant, found.rows, found.gap_increase, forces, slopes)
+            resultant = newton.resultants[1]
+            newton, change = newton.taken(np.zeros(len(MOTIONS)))
+            if change < 1e-11:
                 break
-        return resultant, newton.creep_stiffness
+        return resultant[:, 0], resultant[:, 1:]
 
     tangent = side_at()[1]
     for name, number in zip(POSES, BY_POSE[:5], strict=False):

@@ -25,7 +25,8 @@ from flangeway.railway.damage.worn_surface import (
 from flangeway.railway.track.wheelset_problem import Role
 from flangeway.railway.wheelset.running_surfaces import ElasticBodies, running_surfaces
 from flangeway.railway.wheelset.spatial_result import SpatialResult, solve_position
-from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace
 from flangeway.records import NotNegative, Positive, Record
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.types import Floats, Progress

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -28,7 +28,7 @@ REACHED_FRACTION = 0.999
 """Part of the limit from which on a step has reached it."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Reach:
     """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
 
@@ -42,18 +42,17 @@ class Reach:
     longest: float = np.inf
     last: float = 0.0
 
-    def limit_of(self, step: float, *, halved: bool) -> float:
-        """Limit of a step that is wanted; `halved`: whether the last step has lowered the residual much."""
+    def towards(self, step: float, *, halved: bool) -> "Reach":
+        """Limits of a step that is asked for; `halved`: whether the last step has lowered the residual much."""
+        limit, longest, size = self.limit, self.longest, abs(self.last)
         if step * self.last < 0.0 and not halved:
-            self.longest = REVERSED_MAXIMUM * min(self.longest, self.most)
-            self.limit = (
-                REVERSED_LIMIT * abs(self.last) if abs(step) > 0.5 * abs(self.last) else min(self.limit, self.longest)
-            )
-        elif abs(self.last) >= REACHED_FRACTION * self.limit:
-            if self.limit == self.longest:  # several steps of one sense
-                self.longest /= REVERSED_MAXIMUM
-            self.limit = min(2.0 * self.limit, self.longest, self.most)
-        return self.limit
+            longest = REVERSED_MAXIMUM * min(longest, self.most)
+            limit = REVERSED_LIMIT * size if abs(step) > 0.5 * size else min(limit, longest)
+        elif size >= REACHED_FRACTION * limit:
+            if limit == longest:  # several steps of one sense
+                longest /= REVERSED_MAXIMUM
+            limit = min(2.0 * limit, longest, self.most)
+        return replace(self, limit=limit, longest=longest)
 
     def again(self, first: float) -> "Reach":
         """Limits of an unknown that sets out again with a first one, on other cells.

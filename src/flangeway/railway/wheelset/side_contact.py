@@ -239,7 +239,6 @@ class SideState:
     - `points`, `normals`: of the deformed rail's cells, each (n, 2).
     - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
     - `gaps`: of the deformed surfaces, shape (n, n_z).
-    - `stiffness`: derivatives of `resultant` by `MOTIONS` of `flangeway.railway.wheelset.side_newton`, shape (3, 7).
     - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2).
     """
 
@@ -250,7 +249,6 @@ class SideState:
     normals: Floats
     gap: WheelGap
     gaps: Floats
-    stiffness: Floats
     creep: Floats
 
     @property
@@ -498,7 +496,8 @@ class GriddedSide:
         normals = normals + turned[:, None] * tangents_of(normals)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.along, guess)
-        gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
+        # arms from the middle of the axle, not from the profile's origin
+        gap = gap._replace(arms=gap.arms + np.append(pose.shift, 0.0))
         values = self.means(gap.gaps[..., None], gap.gaps)[..., 0]
         # `influence` moves the cells along the undeformed normals
         values = np.where(gap.gaps < FAR_MM, values + (self.moved_along_normals @ row)[:, None], FAR_MM)

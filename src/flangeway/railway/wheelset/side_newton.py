@@ -5,6 +5,8 @@ h of the geometry as it is deformed now, its derivatives G by the position and K
 rail moves across the track and rolls, and the patch with it. The set changes with the signs of forces and gaps.
 """
 
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -68,11 +70,39 @@ class SideTangent(NamedTuple):
     rail: Floats
 
 
-class SideNewton:
-    """One side while its forces are sought."""
+@dataclass(frozen=True, eq=False)
+class SideNewton(SideState):
+    """One side while its forces are sought, a value: its contact in the geometry of the last linearisation.
 
-    def __init__(
-        self,
+    - `gap_increase`: what creep forces open the gaps besides moving the cells across, (n, n_z).
+    - `values`: gaps without the influence of forces, (n, n_z).
+    - `touching`: cells in contact, (n, n_z); `changed`: whether others than before.
+    - `raw`: forces of the last step without a bound, (n, n_z).
+    - `slopes`: how creep forces change; without friction they do not.
+    - `tangent`: derivatives of the geometry.
+    - `creep_resultant`: of the creep forces, see `SideCreep`, (7,).
+    - `shape`: values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,).
+    - `expected`: with friction, gaps after the step before as far as they are linear: they decide what touches.
+    - `factor`: Cholesky factor of the influence coefficients of the cells in contact, and whether it is a lower one.
+    - `creep_is_limited`: whether creep forces bend the bodies in part only.
+    """
+
+    gap_increase: Floats
+    values: Floats
+    touching: Bools
+    raw: Floats
+    slopes: CreepSlopes
+    tangent: SideTangent
+    creep_resultant: Floats
+    shape: Floats
+    expected: Floats | None = None
+    factor: tuple[Floats, bool] | None = None
+    changed: bool = True
+    creep_is_limited: bool = False
+
+    @classmethod
+    def of(
+        cls,
         grid: GriddedSide,
         pose: WheelPose,
         forces: Floats | float = 0.0,
@@ -80,124 +110,89 @@ class SideNewton:
         gap_increase: Floats | float = 0.0,
         *,
         rolls: bool = False,
-    ) -> None:
-        self.grid, self.pose = grid, pose
-        n, n_z = len(grid.grid.widths), grid.grid.n_strips
-        self.creep: Floats = np.zeros((n, 2)) + creep
-        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
-        self.gap_increase: Floats = np.zeros((n, n_z)) + gap_increase
-        """What they open the gaps besides, (n, n_z)."""
-        start: Floats = np.zeros((n, n_z)) + forces
-        self.points, self.normals, self.gap, self.values = grid.deformed(pose, start, self.creep[:, 0])
-        self.values = self.values + self.gap_increase
+    ) -> "SideNewton":
+        """A side at a pose, with forces on bodies that bend no further.
+
+        - `forces`, `creep`, `gap_increase`: to start from; creep forces on the wheel's rows of cells, (n, 2).
+        """
+        n, cells = len(grid.grid.widths), np.zeros((len(grid.grid.widths), grid.grid.n_strips))
+        start, creep_of_rows, opened = cells + forces, np.zeros((n, 2)) + creep, cells + gap_increase
+        points, normals, gap, values = grid.deformed(pose, start, creep_of_rows[:, 0])
         # cells that touch on these bodies: the steps would find them one after the other
         solution = solve_normal(
-            grid.influence, self.values, approach=0.0, start=start if start.any() else None, tolerance=START_TOLERANCE
+            grid.influence,
+            values + opened,
+            approach=0.0,
+            start=start if start.any() else None,
+            tolerance=START_TOLERANCE,
         )
-        self.forces = self.raw = solution.forces
-        self.total = solution.gaps
-        self.touching: Bools = self.forces > 0.0
-        self.expected: Floats | None = None
-        """With friction, gaps after the step before as far as they are linear, (n, n_z): they decide what touches."""
-        self._factor: tuple[Floats, bool] | None = None
-        self.changed = True
+        state = SideState(grid, pose, solution.forces, points, normals, gap, solution.gaps, creep_of_rows)
         rows = N_RESULTANTS + n * rolls
-        self.slopes = CreepSlopes(np.zeros((rows, len(MOTIONS))), np.zeros((rows, 0)), np.zeros((0, n, n_z)))
-        """How creep forces change; without friction they do not."""
-        self.shape: Floats = np.zeros(0)
-        """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
-        self.stiffness: Floats = np.zeros((3, len(MOTIONS)))
-        """Derivatives of the resultant of normal forces by `MOTIONS`, at the last `linearised_resultant`."""
-        self.tangent = self._tangent()
-        self.creep_is_limited = False
-        self.resultant: Floats = np.zeros(N_RESULTANTS)
-        """Resultant of the creep forces, see `SideCreep`."""
-        self.creep_stiffness: Floats = np.zeros((N_RESULTANTS, len(MOTIONS)))
-        """As `stiffness`, of `resultant`."""
+        slopes = CreepSlopes(np.zeros((rows, len(MOTIONS))), np.zeros((rows, 0)), np.zeros((0, *cells.shape)))
+        return cls(
+            **vars(state),
+            gap_increase=opened,
+            values=values + opened,
+            touching=solution.forces > 0.0,
+            raw=solution.forces,
+            slopes=slopes,
+            tangent=tangent_of(state, rows - N_RESULTANTS),
+            creep_resultant=np.zeros(N_RESULTANTS),
+            shape=np.zeros(0),
+        )
 
-    def linearise(self, pose: WheelPose) -> None:
-        """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
-        grid = self.grid
-        guess = self.gap.moved(self.pose, pose)
-        self.pose = pose
-        self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self.creep[:, 0], guess)
-        self.values = self.values + self.gap_increase
-        self.total = self.values + grid.influence(self.forces)
-        self.tangent = self._tangent()
+    def linearised(self, pose: WheelPose) -> "SideNewton":
+        """Gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
+        grid, gap = self.grid, self.gap.moved(self.pose, pose)
+        points, normals, gap_now, values = grid.deformed(pose, self.forces, self.creep[:, 0], gap)
+        values = values + self.gap_increase
+        gaps = values + grid.influence(self.forces)
+        state = SideState(grid, pose, self.forces, points, normals, gap_now, gaps, self.creep)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = FORCE_TOLERANCE * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
         # with friction by the linear step: its normal and creep forces and these gaps belong together; without it the
         # overlaps of the deformed geometry push the wheelset on
-        opening = self.total if self.expected is None else self.expected
-        touching = np.where(self.touching, self.raw > -least, opening < -width) & (self.gap.gaps < FAR_MM)
-        self.changed = bool((touching != self.touching).any())
-        if self.changed or self._factor is None:
-            self.touching = touching
-            self._factor = self._factorised()
+        opening = gaps if self.expected is None else self.expected
+        touching = np.where(self.touching, self.raw > -least, opening < -width) & (gap_now.gaps < FAR_MM)
+        changed = bool((touching != self.touching).any())
+        factor = factorised(grid, touching) if changed or self.factor is None else self.factor
+        return replace(
+            self,
+            **vars(state),
+            values=values,
+            touching=touching,
+            changed=changed,
+            factor=factor,
+            tangent=tangent_of(state, len(self.slopes.motion) - N_RESULTANTS),
+        )
 
-    def _factorised(self) -> tuple[Floats, bool] | None:
-        rows, strips = np.nonzero(self.touching)
-        if len(rows) == 0:
-            return None
-        if len(rows) > MAX_CELLS:
-            raise InputError(
-                f"contact patches of {len(rows)} cells on one side",
-                f"up to {MAX_CELLS} cells",
-                "check the load, and whether these profiles conform over their whole width",
-            )
-        # A_ab = coefficients[|strip_a - strip_b|, row_a, row_b], by one number each: half the time of three
-        n = len(self.touching)
-        numbers = np.abs(np.subtract.outer(strips, strips, dtype=np.int32)) * np.int32(n * n)
-        numbers += np.add.outer(n * rows, rows, dtype=np.int32)
-        matrix = self.grid.coefficients.ravel().take(numbers)
-        try:
-            factor, lower = scipy.linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-        except scipy.linalg.LinAlgError as error:
-            raise InputError(
-                "bodies that move so easily that the contact's own compliance is lost in round-off",
-                "supports of about the stiffness of a track",
-                "raise the stiffnesses of the rail seats",
-            ) from error
-        return factor, bool(lower)
-
-    def bend(self, resultant: Floats, creep: Floats, gap_increase: Floats, forces: Floats, slopes: CreepSlopes) -> None:
-        """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
+    def bent(
+        self, resultant: Floats, creep: Floats, gap_increase: Floats, forces: Floats, slopes: CreepSlopes
+    ) -> "SideNewton":
+        """The same with creep forces on rows of cells (n, 2), or a part of the way to them: they move the bodies too.
 
         - `resultant`, `gap_increase`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
         """
-        self.resultant, change = resultant, creep - self.creep
+        change = creep - self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, change[:, 0])
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
-        self.creep = self.creep + share * change
-        self.creep_is_limited = share < 1.0
         part = np.ones((len(slopes.motion), 1))
         part[N_RESULTANTS:] = share
-        self.slopes = slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape)
-        self.shape = slopes.weights[:, self.touching] @ forces
         # rail points that move by v are as a wheel that moves by -v
         opened = share * (gap_increase - self.gap_increase)
-        self.gap_increase = self.gap_increase + opened
-        self.values = self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
-
-    def _tangent(self) -> SideTangent:
-        """Derivatives of the geometry as it is deformed now."""
-        n, row, tangents = len(self.points), self.forces.sum(axis=1), tangents_of(self.normals)
-        moves, turns = self.grid.derivatives(row, self.creep[:, 0], len(self.slopes.motion) - N_RESULTANTS)
-        # R = (sum p n, sum p (P - c) x n): dR = p t dphi, and p dP x n + p (P - c) x t dphi
-        arm, forces = self.points - (self.pose.x, self.pose.y), row[:, None] * self.normals
-        resultant = (row[:, None] * np.column_stack((tangents, cross_product(arm, tangents)))).T @ turns
-        resultant[2] += moves[:, 0].T @ forces[:, 1] - moves[:, 1].T @ forces[:, 0]
-        by_row = np.column_stack((self.normals, cross_product(arm, self.normals))).T
-        resultant[:, :n] += by_row
-        # a rail that moves by rho, about the middle of the axle, is as a wheel that moves by -rho
-        share = row / max(row.sum(), 1e-300)
-        rail = np.vstack((np.tensordot(share, moves, axes=1), share @ turns))
-        x, y = share @ arm
-        rail[:2] += np.outer((y, -x), rail[2])
-        return SideTangent(moves, turns, by_row @ row, resultant, rail)
+        return replace(
+            self,
+            creep=self.creep + share * change,
+            creep_is_limited=share < 1.0,
+            creep_resultant=resultant,
+            slopes=slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape),
+            shape=slopes.weights[:, self.touching] @ forces,
+            gap_increase=self.gap_increase + opened,
+            values=self.values + opened - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved),
+        )
 
     def _opened(self, rows: slice, strips: slice, motion: Floats, forces: Floats) -> Floats:
         """How gaps of cells change, (m, m_z, k), by k motions along `MOTIONS`, (7, k), and forces of rows (p, a)."""
@@ -215,6 +210,7 @@ class SideNewton:
         means: Floats = self.grid.means(opened, gaps, rows) + along_normals[:, None]
         return means
 
+    @cached_property
     def _creep_changes(self) -> tuple[Floats, Floats, Floats]:
         """How resultant and lateral forces of rows, ``(C, a)``, change: by `MOTIONS`, p and `CreepSlopes.shape`.
 
@@ -224,7 +220,7 @@ class SideNewton:
         n, rows = len(self.points), slice(N_RESULTANTS, None)
         by_rail = -self.slopes.motion[:, :3]
         # z x F and z x M; the torque about the wheel's axis stays
-        f_x, f_y, _, m_x, m_y = self.resultant[:5]
+        f_x, f_y, _, m_x, m_y = self.creep_resultant[:5]
         by_rail[:5, 2] += -f_y, f_x, 0.0, -m_y, m_x
         rail, rail_across = self.tangent.rail[:, :n], self.tangent.rail[:, n:]
         changes = np.hstack((self.slopes.motion, by_rail @ rail, self.slopes.shape))
@@ -235,14 +231,15 @@ class SideNewton:
         by_motion, by_row, by_shape = np.split(changes, (len(MOTIONS), len(MOTIONS) + n), axis=1)
         return by_motion, by_row, by_shape
 
-    def solve(self) -> tuple[Floats, Floats]:
+    @cached_property
+    def solved(self) -> tuple[Floats, Floats]:
         """Forces on the cells in contact, (m,), and derivatives by `MOTIONS`, (m, 7)."""
-        if self._factor is None:
+        if self.factor is None:
             return np.zeros(0), np.zeros((0, len(MOTIONS)))
         rows, strips = np.nonzero(self.touching)
         loaded = np.flatnonzero(self.touching.any(axis=1) | self.forces.any(axis=1))
         row = np.equal.outer(np.arange(len(self.points)), loaded).astype(np.float64)
-        of_motion, of_row, of_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
+        of_motion, of_row, of_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes)
         n, n_rows, n_shapes = len(MOTIONS), len(loaded), of_shape.shape[1]
         motion = np.eye(n, n + n_rows + n_shapes)
         normal = np.pad(row, ((0, 0), (n, n_shapes)))
@@ -254,27 +251,29 @@ class SideNewton:
         right = np.vstack((row.T[:, rows], self.slopes.weights[:, rows, strips]))
         # h is that of the forces so far: their part in K is taken off
         values = self.values[rows, strips] - left @ np.append(self.forces.sum(axis=1)[loaded], self.shape)
-        solutions = scipy.linalg.cho_solve(self._factor, np.column_stack((values, by_motion, left)), check_finite=False)
+        solutions = scipy.linalg.cho_solve(self.factor, np.column_stack((values, by_motion, left)), check_finite=False)
         solved, inner = solutions[:, : n + 1], solutions[:, n + 1 :]
         small = np.eye(len(right)) + right @ inner
         solved = solved - inner @ np.linalg.solve(small, right @ solved)
         return -solved[:, 0], -solved[:, 1:]
 
-    def yaw_moment(self, forces: Floats, by_motion: Floats) -> tuple[float, Floats]:
-        """Moment of normal forces (m,) on the wheel about y, ``z f_x``, and its derivatives by those of the forces."""
+    @property
+    def yaw_moment(self) -> Floats:
+        """Moment of the normal forces of `solved` on the wheel about y, ``z f_x``, and its derivatives, (8,)."""
         rows, strips = np.nonzero(self.touching)
         arms = self.grid.grid.along[strips] * self.normals[rows, 0]
-        return float(arms @ forces), arms @ by_motion
+        return np.asarray(arms @ np.column_stack(self.solved))
 
-    def resultants(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
-        """Resultants of normal forces (3,) and of creep forces (7,) at forces of `solve`, as far as they are linear.
+    @cached_property
+    def resultants(self) -> tuple[Floats, Floats]:
+        """Resultants of normal and creep forces at the forces of `solved`, as far as they are linear.
 
-        The derivatives by `MOTIONS` are then `stiffness` and `creep_stiffness`.
+        Their values and derivatives by `MOTIONS`, (3, 8) and (7, 8).
         """
         n, by_forces = len(self.points), self.tangent.resultant
         weights, rows = self.slopes.weights[:, self.touching], np.nonzero(self.touching)[0]
-        motion, row, shape = self._creep_changes()
-        changes, values = np.zeros((n, 1 + len(MOTIONS))), np.column_stack((forces, by_motion))
+        motion, row, shape = self._creep_changes
+        changes, values = np.zeros((n, 1 + len(MOTIONS))), np.column_stack(self.solved)
         np.add.at(changes, rows, values)
         changes[:, 0] -= self.forces.sum(axis=1)
         shapes = weights @ values
@@ -285,47 +284,96 @@ class SideNewton:
         normal[:, 0] += self.tangent.now
         # the moment changes too as the axle's middle moves away from where the forces act
         normal[2, 1:3] += (-normal[1, 0], normal[0, 0])
-        self.stiffness, self.creep_stiffness = normal[:, 1:], of_creep[:N_RESULTANTS, 1:]
-        return normal[:, 0], self.resultant + of_creep[:N_RESULTANTS, 0]
+        creep: Floats = of_creep[:N_RESULTANTS]
+        creep[:, 0] += self.creep_resultant
+        return normal, creep
 
-    def take(self, forces: Floats, step: Floats) -> float:
-        """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
+    def taken(self, step: Floats) -> tuple["SideNewton", float]:
+        """The side with the forces of `solved` after a step, or a part of the way to them.
 
         - `step`: by what the axle moves, as `MOTIONS`; creep forces change with it.
+
+        Returned too: how much forces change, over their sum.
         """
-        new = np.zeros(self.forces.shape)
-        self.raw = new.copy()
-        self.raw[self.touching] = forces
-        new[self.touching] = np.maximum(forces, 0.0)
+        forces, by_motion = self.solved
+        raw: Floats = np.zeros(self.forces.shape)
+        raw[self.touching] = forces + by_motion @ step
+        new = np.maximum(raw, 0.0)
         change = new - self.forces
-        rolls, before = len(self.shape) > 0, self.forces.sum(axis=1)
-        if rolls:
-            self._expect(step)
         moved = np.abs(self.grid.bending @ change.sum(axis=1))
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
-        self.forces = self.forces + share * change if share < 1.0 else new
-        if rolls:
-            motion, row, by_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
-            shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
-            change_of_rows = by_shape @ (shape - self.shape) + motion @ step + row @ (self.forces.sum(axis=1) - before)
-            self.creep = self.creep + np.outer(change_of_rows, (1.0, 0.0))
-            self.shape = shape
+        taken = replace(self, raw=raw, forces=self.forces + share * change if share < 1.0 else new)
+        if len(self.shape):
+            # gaps under `raw`: none where the cells touch
+            across, _ = self._across(raw, step)
+            normal = (raw - self.forces).sum(axis=1)
+            opened = self._opened(ALL, ALL, step[:, None], np.append(normal, across)[:, None])[..., 0]
+            across, shape = self._across(taken.forces, step)
+            creep = self.creep + np.outer(across, (1.0, 0.0))
+            expected = self.values + self.grid.influence(raw) + opened
+            taken = replace(taken, creep=creep, shape=shape, expected=expected)
         total = float(np.abs(new).sum())
-        return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
+        return taken, float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 
-    def _expect(self, step: Floats) -> None:
-        """Take gaps under the forces of `solve` after a step: none where the cells touch."""
-        motion, row, by_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes())
-        normal, shape = (self.raw - self.forces).sum(axis=1), np.tensordot(self.slopes.weights, self.raw, axes=2)
-        across = motion @ step + row @ normal + by_shape @ (shape - self.shape)
-        opened = self._opened(ALL, ALL, step[:, None], np.append(normal, across)[:, None])[..., 0]
-        self.expected = self.values + self.grid.influence(self.raw) + opened
+    def _across(self, forces: Floats, step: Floats) -> tuple[Floats, Floats]:
+        """How lateral forces of rows change to normal forces (n, n_z) and by a step, and `shape` there."""
+        motion, row, by_shape = (changes[N_RESULTANTS:] for changes in self._creep_changes)
+        shape = self.slopes.weights[:, self.touching] @ forces[self.touching]
+        return motion @ step + row @ (forces - self.forces).sum(axis=1) + by_shape @ (shape - self.shape), shape
 
     @property
     def state(self) -> SideState:
         """Contact as it is now."""
-        geometry = self.points, self.normals, self.gap, self.total
-        return SideState(self.grid, self.pose, self.forces, *geometry, self.stiffness, self.creep)
+        geometry = self.points, self.normals, self.gap, self.gaps
+        return SideState(self.grid, self.pose, self.forces, *geometry, self.creep)
+
+
+def factorised(grid: GriddedSide, touching: Bools) -> tuple[Floats, bool] | None:
+    """Cholesky factor of the influence coefficients of cells (n, n_z), and whether it is a lower one; None of none."""
+    rows, strips = np.nonzero(touching)
+    if len(rows) == 0:
+        return None
+    if len(rows) > MAX_CELLS:
+        raise InputError(
+            f"contact patches of {len(rows)} cells on one side",
+            f"up to {MAX_CELLS} cells",
+            "check the load, and whether these profiles conform over their whole width",
+        )
+    # A_ab = coefficients[|strip_a - strip_b|, row_a, row_b], by one number each: half the time of three
+    n = len(touching)
+    numbers = np.abs(np.subtract.outer(strips, strips, dtype=np.int32)) * np.int32(n * n)
+    numbers += np.add.outer(n * rows, rows, dtype=np.int32)
+    matrix = grid.coefficients.ravel().take(numbers)
+    try:
+        factor, lower = scipy.linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+    except scipy.linalg.LinAlgError as error:
+        raise InputError(
+            "bodies that move so easily that the contact's own compliance is lost in round-off",
+            "supports of about the stiffness of a track",
+            "raise the stiffnesses of the rail seats",
+        ) from error
+    return factor, bool(lower)
+
+
+def tangent_of(state: SideState, n_across: int) -> SideTangent:
+    """Derivatives of the geometry as it is deformed.
+
+    - `n_across`: see `GriddedSide.derivatives`.
+    """
+    n, row, tangents = len(state.points), state.forces.sum(axis=1), tangents_of(state.normals)
+    moves, turns = state.grid.derivatives(row, state.creep[:, 0], n_across)
+    # R = (sum p n, sum p (P - c) x n): dR = p t dphi, and p dP x n + p (P - c) x t dphi
+    arm, forces = state.points - (state.pose.x, state.pose.y), row[:, None] * state.normals
+    resultant = (row[:, None] * np.column_stack((tangents, cross_product(arm, tangents)))).T @ turns
+    resultant[2] += moves[:, 0].T @ forces[:, 1] - moves[:, 1].T @ forces[:, 0]
+    by_row = np.column_stack((state.normals, cross_product(arm, state.normals))).T
+    resultant[:, :n] += by_row
+    # a rail that moves by rho, about the middle of the axle, is as a wheel that moves by -rho
+    share = row / max(row.sum(), 1e-300)
+    rail = np.vstack((np.tensordot(share, moves, axes=1), share @ turns))
+    x, y = share @ arm
+    rail[:2] += np.outer((y, -x), rail[2])
+    return SideTangent(moves, turns, by_row @ row, resultant, rail)
 
 
 def interpolated(values: Floats, old: tuple[Floats, Floats], new: tuple[Floats, Floats]) -> Floats:
@@ -374,12 +422,15 @@ def solve_side(
     - `start`: forces to start from.
     - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
-    newton = SideNewton(grid, pose, start, creep)
+    newton = SideNewton.of(grid, pose, start, creep)
     for _ in range(MAX_STEPS):
-        newton.linearise(pose)
-        forces, by_motion = newton.solve()
-        newton.resultants(forces, by_motion)
-        change = newton.take(forces, np.zeros(len(MOTIONS)))
+        newton, change = newton.linearised(pose).taken(np.zeros(len(MOTIONS)))
         if change < FORCE_CHANGE and not newton.changed:
             break
     return newton.state
+
+
+def stiffness_of(state: SideState) -> Floats:
+    """Derivatives of `SideState.resultant` by `MOTIONS` at a contact in equilibrium without friction, (3, 7)."""
+    newton = SideNewton.of(state.grid, state.pose, state.forces, state.creep)
+    return newton.linearised(state.pose).resultants[0][:, 1:]

@@ -30,11 +30,11 @@ from flangeway.railway.wheelset.rolling.patch_rolling import rows_of, strips_of
 from flangeway.railway.wheelset.rolling.wheelset_creep import SideCreep
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import SideState, tangents_of
-from flangeway.railway.wheelset.spatial_wheelset import RollingPlace, SpatialWheelset
+from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.supported_rail import LoadedRail, RailAlongTrack, rails_along_track, supported_rail
 from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.wheelset_checks import yield_strength
-from flangeway.railway.wheelset.wheelset_newton import SpatialState
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace, SpatialState
 from flangeway.results import Shown
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache

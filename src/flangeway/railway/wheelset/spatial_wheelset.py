@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.wheelset_creep import WheelsetCreep, rate_of
+from flangeway.railway.wheelset.rolling.wheelset_creep import rate_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import (
     FINE_RESIDUAL,
+    RollingPlace,
     SpatialState,
     WheelsetNewton,
     bending_by_load,
@@ -70,39 +71,6 @@ FLANGE_SLOPE = 3.0
 """Slope of the flange, by which yaw moves its contact along the track."""
 
 
-class RollingPlace(NamedTuple):
-    """Where a wheelset rolls: position of the axle's middle, bending at both wheels, yaw, and rate of rotation."""
-
-    lateral_mm: float
-    vertical_mm: float
-    roll_rad: float
-    left_deflection_mm: float
-    left_tilt_rad: float
-    right_deflection_mm: float
-    right_tilt_rad: float
-    yaw_rad: float
-    rate_rad_s: float
-
-    @classmethod
-    def of(cls, equilibrium: Equilibrium[SpatialState]) -> "RollingPlace":
-        """Place of an equilibrium; without friction it has no yaw of its own, and no rate."""
-        rolled = equilibrium.state.rolled
-        motion = (0.0, 0.0) if rolled is None else (rolled.yaw_rad, rolled.rate_rad_s)
-        return cls(*map(float, (*equilibrium.position.components, *bending_of(equilibrium.state.sides), *motion)))
-
-    @property
-    def position(self) -> WheelsetPosition:
-        """Position of the axle's middle."""
-        return WheelsetPosition(*self[:3])
-
-    @property
-    def bending(self) -> Floats:
-        """Deflection and tilt of the left and the right seat, (4,)."""
-        return np.array(self[3:7])
-
-
-Placed: TypeAlias = tuple[dict[Side, GriddedSide], SpatialState]
-"""Cells, and a contact to start from on them."""
 OUTSIDE_CELLS = (
     "wheel and rail touch outside of the cells that are fine enough for their patches; give more patch_cells"
 )
@@ -147,31 +115,32 @@ class SpatialWheelset:
         - `near`: place close to the equilibrium, from which the search begins instead.
         """
         if near is not None and near.rate_rad_s and self.problem.friction is not None:
-            return self._rolling(near.position, self._touching(near), near.rate_rad_s, progress)
+            return self._rolling(near, self._touching(near), progress)
         risen = float(self._bending_by_load[::2].mean())
         start = self.start.motion.moved(WheelsetPosition(vertical_mm=-PRESSED_MM - self._sinking - risen))
         start = start if near is None else near.position
         kept = None, *self.problem.position.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         grids = self.whole(position, None, {})
-        newton = WheelsetNewton(self.problem, grids, position, self.compliance, None, None)
+        place = RollingPlace.at(position, self._bending_by_load, 0.0, self.problem.position.yaw_rad)
+        newton = WheelsetNewton.of(self.problem, self.compliance, place, grids)
         if self.problem.friction is None:
             return self._search(newton, _Cells(self, position, ((self.problem.patch_cells, FINE_RESIDUAL),)), progress)
         free = self._search(newton, _Cells(self, position, ()), progress)
-        return self._rolling(free.position, free.state, rate_of(self.problem, free.state.sides), progress)
+        rate, bending = rate_of(self.problem, free.state.sides), bending_of(free.state.sides)
+        place = RollingPlace.at(free.position, bending, rate, self.problem.position.yaw_rad)
+        return self._rolling(place, free.state, progress)
 
     def _rolling(
-        self, position: WheelsetPosition, state: SpatialState, rate: float, progress: Callable[[str], None]
+        self, place: RollingPlace, state: SpatialState, progress: Callable[[str], None]
     ) -> Equilibrium[SpatialState]:
         """Equilibrium with friction from a contact on coarse cells."""
         rolling, across = self.problem.friction, self.problem.patch_cells
         assert rolling is not None
         last = FINE_RESIDUAL if rolling.theory == "exact" else FAST_RESIDUAL
         stages = (round(COARSER_ACROSS * across), NESTED_RESIDUAL), (across, last)
-        cells = _Cells(self, position, stages, state.sides)
-        grids, _ = cells.fine(state)
-        creep = WheelsetCreep(self.problem, rate)
-        newton = WheelsetNewton(self.problem, grids, position, self.compliance, state, creep)
+        cells = _Cells(self, place.position, stages, state.sides)
+        newton = WheelsetNewton.of(self.problem, self.compliance, place, cells.fine(state), state, rolls=True)
         return self._search(newton, cells, progress)
 
     def _touching(self, start: RollingPlace) -> SpatialState:
@@ -197,26 +166,25 @@ class SpatialWheelset:
         Fine cells suffice for the patches, and hold all of them. Where a patch comes to the end of these, or the
         wheelset leaves the position that they are for, they are chosen by the contact on coarse cells.
         """
-        begun = newton.position
+        begun = newton.place.position
         for iteration in range(MAX_ITERATIONS):
-            newton.linearise(cells.tolerance)
-            error = newton.relative.equilibrium_residual
+            linear = newton.linearised(cells.tolerance)
+            error = linear.relative.equilibrium_residual
             progress(f"equilibrium residual {error:.1e} after {iteration} steps")
-            settled = newton.step(cells.tolerance)
+            newton, settled = linear.step(cells.tolerance)
             message = f"contact forces and load are in equilibrium to {error:.1e}"
-            equilibrium = newton.equilibrium(Status(settled, message, iteration))
-            grids, state = cells.after(equilibrium, at_end=newton.reaches_an_end)
+            equilibrium = linear.equilibrium(newton, Status(settled, message, iteration))
+            cells, grids, state = cells.after(equilibrium, at_end=newton.reaches_an_end)
             if cells.status is not None:
                 return replace(equilibrium, status=cells.status)
             if grids != equilibrium.state.grids:
-                newton.place(grids, state)
+                newton = newton.on(grids, state)
                 at_peaks = cells.at_peaks(newton.contact)
                 if at_peaks != grids:
-                    newton.place(at_peaks, state)
+                    newton = newton.on(at_peaks, state)
             if self._is_off(newton, begun):
                 break
-        rolling = None if newton.creep is None else newton.creep.motion
-        return replace(equilibrium, status=self._none(equilibrium, rolling))
+        return replace(equilibrium, status=self._none(equilibrium, newton.motion))
 
     def lateral_uncertainty(self, equilibrium: Equilibrium[SpatialState]) -> float:
         """How far an equilibrium with friction moves across the track on cells shifted by half of their size, mm.
@@ -227,10 +195,8 @@ class SpatialWheelset:
         """
         place = RollingPlace.of(equilibrium)
         grids = {side: replace(grid, grid=grid.grid.staggered) for side, grid in equilibrium.state.grids.items()}
-        creep = WheelsetCreep(self.problem, place.rate_rad_s)
-        newton = WheelsetNewton(self.problem, grids, place.position, self.compliance, equilibrium.state, creep)
-        newton.linearise(FINE_RESIDUAL)
-        return abs(float(newton.unlimited_step[0]))
+        newton = WheelsetNewton.of(self.problem, self.compliance, place, grids, equilibrium.state, rolls=True)
+        return abs(float(newton.linearised(FINE_RESIDUAL).unlimited_step[0]))
 
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the wheels are at a position than rigid in the middle of the track, mm."""
@@ -244,12 +210,12 @@ class SpatialWheelset:
 
     def _is_off(self, newton: WheelsetNewton, begun: WheelsetPosition) -> bool:
         """Whether the wheelset has left the track, turns without end, or cannot come to its lateral position."""
-        position = newton.position
+        position = newton.place.position
         ways = np.abs(np.subtract(position.components, begun.components))
         ways[0] = abs(position.lateral_mm) - abs(begun.lateral_mm)  # it may go from one flange to the other
         lateral, *others = self.problem.position.components
         climbs = self.rise(position) > CLIMBED_MM or (others == [None, None] and newton.hanging > MAX_HANGING)
-        turns = abs(newton.yaw - self.problem.position.yaw_rad) > MAX_TURN_RAD
+        turns = abs(newton.place.yaw_rad - self.problem.position.yaw_rad) > MAX_TURN_RAD
         stops = lateral is not None and (climbs or not self.start.can_reach(lateral))
         return turns or bool((ways > MAX_WAY).any()) or stops
 
@@ -322,7 +288,7 @@ class SpatialWheelset:
             overlap = np.where(np.outer(across.any(axis=1), along), 0.0, np.maximum(-gaps, 0.0))
             if overlap.any():
                 forces = forces + overlap / whole.coefficients[0].diagonal()[:, None]
-                sides[side] = SideState(whole, fine.pose, forces, *deformed[:3], gaps, fine.stiffness, creep)
+                sides[side] = SideState(whole, fine.pose, forces, *deformed[:3], gaps, creep)
         return sides
 
     @cached_property
@@ -389,9 +355,9 @@ def _rigid_start(problem: WheelsetProblem, geometry: RigidGeometry) -> RigidStar
     return rigid_start(problem, geometry)
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class _Cells:
-    """Cells of a search.
+    """Cells of a search, a value.
 
     - `place`: position that they are for.
     - `stages`: cells across a patch, and the equilibrium residual; forces and tilts are found to the same share of
@@ -424,62 +390,58 @@ class _Cells:
         wanted = self.stages[self.stage][1]
         return wanted if self.last else max(GRID_RESIDUAL, wanted)
 
-    def after(self, equilibrium: Equilibrium[SpatialState], *, at_end: bool) -> Placed:
+    def after(self, equilibrium: Equilibrium[SpatialState], *, at_end: bool) -> "Placed":
         """Cells after a step, and a contact to start from on them; those of `equilibrium` where they stay.
 
         - `at_end`: whether a patch has come to an end of its cells.
         """
-        settled, state = equilibrium.status.converged, equilibrium.state
+        settled, state, cells = equilibrium.status.converged, equilibrium.state, self
         far = _is_far(equilibrium.position, self.place)
         if far or (at_end if self.touching else settled):
-            self.place = equilibrium.position
-            grids = self.wheelset.whole(self.place, state, {} if self.touching else state.grids)
+            cells = replace(self, place=equilibrium.position)
+            grids = self.wheelset.whole(cells.place, state, {} if self.touching else state.grids)
             if self.touching:
-                return self._anew(grids, equilibrium, far=far)
+                return cells._anew(grids, state, far=far)
             if grids != state.grids:
-                return grids, state
-        return self._refined(equilibrium) if settled else (state.grids, state)
+                return cells, grids, state
+        return cells._refined(equilibrium) if settled else (cells, state.grids, state)
 
-    def _anew(self, whole: Mapping[Side, GriddedSide], equilibrium: Equilibrium[SpatialState], *, far: bool) -> Placed:
+    def _anew(self, whole: Mapping[Side, GriddedSide], state: SpatialState, *, far: bool) -> "Placed":
         """Fine cells by the contact on coarse ones at the same poses, with the same creep forces.
 
         Where the wheelset is not far from the place of its cells, a patch that came to their end has wider ones about
         itself: coarse cells may end at the same place again.
         """
-        for side, side_state in equilibrium.state.sides.items():
-            forces, creep = transferred(side_state, whole[side]), transferred_creep(side_state, whole[side])
-            self.touching = {**self.touching, side: solve_side(whole[side], side_state.pose, forces, creep=creep)}
-        self.last = False
-        return self.fine(SpatialState(self.touching) if far else equilibrium.state, CELL_REACH)
+        touching = {
+            side: solve_side(
+                whole[side], one.pose, transferred(one, whole[side]), creep=transferred_creep(one, whole[side])
+            )
+            for side, one in state.sides.items()
+        }
+        cells, near = replace(self, touching=touching, last=False), SpatialState(touching) if far else state
+        return cells, cells.fine(near, CELL_REACH), near
 
-    def _refined(self, equilibrium: Equilibrium[SpatialState]) -> Placed:
+    def _refined(self, equilibrium: Equilibrium[SpatialState]) -> "Placed":
         """Cells of the next stage, or better ones for the equilibrium of the last one."""
-        state, grids = equilibrium.state, equilibrium.state.grids
+        state, grids, cells, status = equilibrium.state, equilibrium.state.grids, self, equilibrium.status
         if not self.stages:
-            self.status = equilibrium.status
-        elif not self.is_last:
-            self.stage += bool(self.touching)
-            self.touching = self.touching or state.sides
-            return self.fine(state)
-        else:
-            more = self.n_grids < MAX_GRIDS
-            if more:
-                self.n_grids += 1
-                grids, _ = self.fine(state)
-            beyond = self.wheelset.beyond(equilibrium, self.touching) if grids == state.grids and self.last else {}
-            if beyond and not more:
-                self.status = Status(False, OUTSIDE_CELLS, equilibrium.status.iterations)
-            elif beyond:
-                self.touching = {**self.touching, **beyond}
-                grids, state = self.fine(SpatialState({**state.sides, **beyond}))
-        if grids == equilibrium.state.grids and self.status is None:
-            if self.last:
-                lost = any(side_state.grid.leaves(side_state.forces) for side_state in state.sides.values())
-                self.status = (
-                    Status(False, AT_SURFACE_END, equilibrium.status.iterations) if lost else equilibrium.status
-                )
-            self.last = True
-        return grids, state
+            return replace(self, status=status), grids, state
+        if not self.is_last:
+            cells = replace(self, stage=self.stage + bool(self.touching), touching=self.touching or state.sides)
+            return cells, cells.fine(state), state
+        if more := self.n_grids < MAX_GRIDS:
+            cells, grids = replace(self, n_grids=self.n_grids + 1), self.fine(state)
+        if grids != state.grids or not self.last:
+            return replace(cells, last=grids == state.grids or self.last), grids, state
+        if beyond := self.wheelset.beyond(equilibrium, self.touching):
+            if not more:
+                return replace(cells, status=Status(False, OUTSIDE_CELLS, status.iterations)), grids, state
+            cells, near = replace(cells, touching={**self.touching, **beyond}), SpatialState({**state.sides, **beyond})
+            if (wider := cells.fine(near)) != grids:
+                return cells, wider, near
+        if any(one.grid.leaves(one.forces) for one in state.sides.values()):
+            status = Status(False, AT_SURFACE_END, status.iterations)
+        return replace(cells, status=status), grids, state
 
     def at_peaks(self, state: SpatialState) -> dict[Side, GriddedSide]:
         """Cells of the last stage divided at narrow peaks of the pressure, which coarser ones do not show."""
@@ -487,14 +449,15 @@ class _Cells:
             return state.grids
         return {side: divided(side_state, self.stages[-1][0]) for side, side_state in state.sides.items()}
 
-    def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> Placed:
+    def fine(self, state: SpatialState, near: tuple[float, float] = (0.0, 0.0)) -> dict[Side, GriddedSide]:
         """Fine cells of both sides for a contact, see `finer`."""
         across = self.stages[self.stage][0]
         sides = state.sides.items()
-        return {
-            side: finer(side_state, across, state.interiors(side), self.touching[side], near)
-            for side, side_state in sides
-        }, state
+        return {side: finer(one, across, state.interiors(side), self.touching[side], near) for side, one in sides}
+
+
+Placed: TypeAlias = tuple[_Cells, dict[Side, GriddedSide], SpatialState]
+"""Cells of a search, those of both sides, and a contact to start from on them."""
 
 
 def _is_far(position: WheelsetPosition, other: WheelsetPosition) -> bool:

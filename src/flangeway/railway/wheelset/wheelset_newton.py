@@ -1,27 +1,38 @@
 """Equilibrium of a wheelset in three dimensions by Newton's method, without friction or with creep forces.
 
 Unknown are the position, deflections and tilts of the axle's seats, and with friction the rate of rotation about the
-axle and, if it is not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`.
+axle and, if it is not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`. What a
+step passes on is a value: `WheelsetNewton.linearised` has its equations, `LinearWheelset.step` what comes after it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.rolling import RollingMotion
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import (
     MAX_STEP,
     Equilibrium,
     Reach,
+    RelativeResiduals,
     is_stable,
     moment_by_roll,
     with_loads,
 )
 from flangeway.railway.wheelset.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose
-from flangeway.railway.wheelset.side_newton import CreepSlopes, SideNewton, interpolated, transferred, transferred_creep
+from flangeway.railway.wheelset.side_newton import (
+    MOTIONS,
+    CreepSlopes,
+    SideNewton,
+    interpolated,
+    transferred,
+    transferred_creep,
+)
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
@@ -65,6 +76,14 @@ class SpatialState:
 def signs_of(side: Side) -> Floats:
     """Signs of a force (x, y) and a moment, from the right-hand form of a side to the track's axes."""
     return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
+
+
+def motions_of(side: Side) -> Floats:
+    """How a side moves by `MOTIONS` as the unknowns change, (7, 9)."""
+    sign, motions = SIDE_SIGN[side], np.zeros((len(MOTIONS), N_UNKNOWNS))
+    numbers = [0, 1, 2, *np.add(BENDING.start, seat_of(side)).tolist(), RATE, YAW]
+    motions[np.arange(len(MOTIONS)), numbers] = sign, 1.0, sign, 1.0, sign, 1.0, sign
+    return motions
 
 
 NOT_BENT = np.zeros(4)
@@ -141,106 +160,149 @@ DIRECT = 4.0
 """See `_leads`."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
-BENDING, RATE, YAW = slice(3, 7), 7, 8
+N_UNKNOWNS, BENDING, RATE, YAW = 9, slice(3, 7), 7, 8
 """Numbers of the unknowns behind the position: deflection and tilt of the left and the right seat, and with friction
 the rate of rotation and the yaw."""
 
 
+class RollingPlace(NamedTuple):
+    """Where a wheelset stands: position of the axle's middle, bending at both wheels, rate of rotation, and yaw.
+
+    Without friction the rate is 0.
+    """
+
+    lateral_mm: float
+    vertical_mm: float
+    roll_rad: float
+    left_deflection_mm: float
+    left_tilt_rad: float
+    right_deflection_mm: float
+    right_tilt_rad: float
+    rate_rad_s: float
+    yaw_rad: float
+
+    @classmethod
+    def at(cls, position: WheelsetPosition, bending: Floats, rate: float, yaw: float) -> "RollingPlace":
+        """Place at a position of the axle's middle with deflection and tilt of the left and the right seat, (4,)."""
+        return cls(*map(float, (*position.components, *bending, rate, yaw)))
+
+    @classmethod
+    def of(cls, equilibrium: Equilibrium[SpatialState]) -> "RollingPlace":
+        """Place of an equilibrium; without friction it has no yaw of its own, and no rate."""
+        rolled, bending = equilibrium.state.rolled, bending_of(equilibrium.state.sides)
+        motion = (0.0, 0.0) if rolled is None else (rolled.rate_rad_s, rolled.yaw_rad)
+        return cls.at(equilibrium.position, bending, *motion)
+
+    def moved(self, step: Floats) -> "RollingPlace":
+        """Place after a step of all unknowns, (9,)."""
+        return RollingPlace(*np.add(self, step).tolist())
+
+    @property
+    def position(self) -> WheelsetPosition:
+        """Position of the axle's middle."""
+        return WheelsetPosition(*self[:3])
+
+    @property
+    def bending(self) -> Floats:
+        """Deflection and tilt of the left and the right seat, (4,)."""
+        return np.array(self[BENDING])
+
+
+@dataclass(frozen=True, eq=False)
 class WheelsetNewton:
-    """A wheelset while its equilibrium is sought."""
+    """A wheelset while its equilibrium is sought, a value: what a step passes on to the next.
 
-    def __init__(
-        self,
+    - `compliance`: of the axle at its seats, (4, 4).
+    - `rolls`: whether there are creep forces.
+    - `sides`: contact of both sides; on cells from which no step was taken yet, of bodies that bend no further.
+    - `creep`, `slopes`: creep forces of the step before, and how they change.
+    - `errors`: equilibrium residuals of the positions on these cells, and the last one on those before.
+    - `hanging`: steps in a row in which a wheel does not touch its rail.
+    - `reaches`: step limits across the track, and with friction of rate and yaw: surfaces that slip everywhere have no
+      slope that leads back.
+    """
+
+    problem: WheelsetProblem
+    compliance: Floats
+    place: RollingPlace
+    rolls: bool
+    reaches: Mapping[int, Reach]
+    sides: Mapping[Side, SideNewton] = field(default_factory=dict)
+    creep: Mapping[Side, SideCreep] = field(default_factory=dict)
+    slopes: Mapping[Side, CreepSlopes] = field(default_factory=dict)
+    errors: tuple[float, ...] = (1.0,)
+    hanging: int = 0
+
+    @classmethod
+    def of(
+        cls,
         problem: WheelsetProblem,
-        grids: Mapping[Side, GriddedSide],
-        position: WheelsetPosition,
         compliance: Floats,
-        near: SpatialState | None,
-        creep: WheelsetCreep | None,
-    ) -> None:
-        self.problem, self.compliance = problem, compliance
-        self.position, self.yaw = position, problem.position.yaw_rad
-        self.creep = creep
-        if near is None:
-            self.bending = bending_by_load(problem, compliance)
-        else:
-            self.yaw = SIDE_SIGN["left"] * near.sides["left"].pose.yaw_rad
-            self.bending = bending_of(near.sides)
-        self.sides: dict[Side, SideNewton] = {}
-        self._slopes: dict[Side, CreepSlopes] = {}
-        self.errors = [1.0]
-        """Equilibrium residuals of the positions on these cells, and the last one on those before."""
-        self.across = Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))
-        self.hanging = 0
-        """Steps in a row in which a wheel does not touch its rail."""
-        self.place(grids, near)
-        rolls, prescribed = creep is not None, problem.position.components
-        yaws = creep is not None and creep.motion.yaw_is_free
-        self.free = np.array([*(value is None for value in prescribed), *[True] * 4, rolls, yaws])
-        arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
-        turning = [0.0 if creep is None else radius / creep.rate_rad_s, arm]
-        least = np.array([1.0, 1.0, arm**2, *NOT_BENT, *turning])
-        self._least = np.diag(MIN_STIFFNESS * problem.forces.vertical_N * least)
+        place: RollingPlace,
+        grids: Mapping[Side, GriddedSide],
+        near: SpatialState | None = None,
+        *,
+        rolls: bool = False,
+    ) -> "WheelsetNewton":
+        """A wheelset at a place, from a contact close by if there is one."""
+        across = {0: Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))}
+        return cls(problem, compliance, place, rolls, across).on(grids, near)
 
-    def place(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> None:
-        """Go on with other cells, from a contact if it is known."""
+    def on(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> "WheelsetNewton":
+        """The same on other cells, from a contact if it is known."""
+        across, sides, reaches = self.reaches[0], dict(self.sides), dict[int, Reach]()
         if len(self.errors) > 1:  # steps were taken on the cells before
-            self.across = self.across.again(float(MAX_STEP[0]))
-        self.errors = [max(self.errors[-1], ERROR_OF_CELLS)]
-        self._slopes = {
+            across = across.again(float(MAX_STEP[0]))
+        slopes = {
             side: slopes.on_cells(self.sides[side].grid.grid, grids[side].grid)
-            for side, slopes in self._slopes.items()
+            for side, slopes in self.slopes.items()
             if self.sides[side].grid.grid.strip <= MAX_COARSER * grids[side].grid.strip
         }
+        rolled = None if near is None else near.rolled
         for side, grid in grids.items():
-            if near is not None and side in self.sides and grid is self.sides[side].grid:
+            if near is not None and side in sides and grid is sides[side].grid:
                 continue  # its contact is known
-            pose = pose_of(self.problem, self.position, side, self.yaw, self.bending)
-            if near is None:
-                self.sides[side] = SideNewton(grid, pose, rolls=self.creep is not None)
-                continue
-            before, gap_increase = (
-                near.sides[side],
-                None if near.rolled is None else near.rolled.creep[side].gap_increase,
-            )
-            self.sides[side] = SideNewton(
-                grid,
-                pose,
-                transferred(before, grid),
-                transferred_creep(before, grid),
-                0.0
-                if gap_increase is None
-                else interpolated(gap_increase, before.grid.grid.middles, grid.grid.middles),
-                rolls=self.creep is not None,
-            )
-        self.reaches: dict[int, Reach] = {}
-        """Step limits of rate and yaw: surfaces that slip everywhere have no slope that leads back."""
-        if self.creep is not None:
-            if near is not None and near.rolled is not None:
-                self.creep.before = near.rolled.creep
-            rate = MAX_CREEPAGE * self.creep.rate_rad_s
-            self.reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
+            forces: Floats | float = 0.0
+            creep: Floats | float = 0.0
+            opened: Floats | float = 0.0
+            if near is not None:
+                before = near.sides[side]
+                forces, creep = transferred(before, grid), transferred_creep(before, grid)
+                if rolled is not None:
+                    increase = rolled.creep[side].gap_increase
+                    opened = interpolated(increase, before.grid.grid.middles, grid.grid.middles)
+            sides[side] = SideNewton.of(grid, self.pose_of(side), forces, creep, opened, rolls=self.rolls)
+        if self.rolls:
+            rate = MAX_CREEPAGE * self.place.rate_rad_s
+            reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
+        return replace(
+            self,
+            sides=sides,
+            slopes=slopes,
+            creep=self.creep if rolled is None else rolled.creep,
+            errors=(max(self.errors[-1], ERROR_OF_CELLS),),
+            reaches={0: across} | reaches,
+        )
+
+    def pose_of(self, side: Side) -> WheelPose:
+        """Pose of a wheel, see `pose_of`."""
+        return pose_of(self.problem, self.place.position, side, self.place.yaw_rad, self.place.bending)
+
+    @property
+    def motion(self) -> RollingMotion | None:
+        """How the wheelset rolls; None where friction does not count."""
+        return self.problem.rolling if self.rolls else None
 
     @property
     def contact(self) -> SpatialState:
-        """Contact of both sides; on cells from which no step was taken yet, of bodies that bend no further."""
+        """Contact of both sides."""
         return SpatialState({side: newton.state for side, newton in self.sides.items()})
-
-    @property
-    def yaw_stiffness(self) -> float:
-        """Stiffness of the guidance of a yaw that is found, N mm per rad."""
-        return 0.0 if self.creep is None else self.creep.motion.yaw_stiffness
 
     @property
     def way_left(self) -> float:
         """Way across the track to the lateral position that is prescribed, mm; 0 without one."""
         lateral = self.problem.position.lateral_mm
-        return 0.0 if lateral is None else lateral - self.position.lateral_mm
-
-    @property
-    def creep_is_limited(self) -> bool:
-        """Whether creep forces that were found still bend the bodies in part only."""
-        return any(side.creep_is_limited for side in self.sides.values())
+        return 0.0 if lateral is None else lateral - self.place.lateral_mm
 
     @property
     def reaches_an_end(self) -> bool:
@@ -248,7 +310,7 @@ class WheelsetNewton:
         return any(side.grid.cuts(side.forces) for side in self.sides.values())
 
     @property
-    def _is_halved(self) -> bool:
+    def is_halved(self) -> bool:
         """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
         return len(self.errors) > 2 and self.errors[-1] < HALVED * self.errors[-2]
 
@@ -257,161 +319,177 @@ class WheelsetNewton:
         if len(self.errors) < 3:
             return True
         before, error = self.errors[-2:]
-        return self._is_halved and error * (error / before) ** 3 <= tolerance
+        return self.is_halved and error * (error / before) ** 3 <= tolerance
 
-    def linearise(self, tolerance: float) -> None:
-        """Take residuals and their derivatives at the position.
+    def linearised(self, tolerance: float) -> "LinearWheelset":
+        """Residuals and their derivatives at the place.
 
-        - `tolerance`: equilibrium residual that is wanted.
+        - `tolerance`: equilibrium residual that is asked for.
         """
-        n = len(self.free)
-        if self.creep is not None:  # the law of friction need not hold better than the equilibrium
-            if not self._serve(tolerance):
-                self._slopes.clear()
-            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
-        total, self.jacobian, seats = np.zeros(3), np.zeros((n, n)), np.zeros(4)
-        self.resultants: dict[Side, Floats] = {}
-        self.changes: dict[Side, tuple[Floats, Floats, Floats, list[int]]] = {}
-        self.rolled: dict[Side, SideCreep] = {}
-        self.turning = 0.0  # yaw moment of normal forces
-        self.creep_now, self.creeping = np.zeros(5), np.zeros((5, n))
-        jacobian = self.jacobian
-        for side, newton in self.sides.items():
-            newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.bending))
-            forces, by = newton.solve()
-            if self.creep is not None:
-                self._bent_by_creep(side, newton, forces)
-                forces, by = newton.solve()
-            signs = signs_of(side)
-            by_signs = np.array([*signs, 1.0, signs[0], 1.0, signs[0]])
-            columns = [0, 1, 2, *np.add(BENDING.start, seat_of(side)).tolist(), RATE, YAW]  # of `MOTIONS`
-            normal, creep = newton.resultants(forces, by)
-            self.resultants[side] = signs * normal
-            self.changes[side] = forces, by, by_signs, columns
-            slopes = signs[:, None] * newton.stiffness * by_signs
-            jacobian[:3, columns] += slopes
-            if self.creep is not None:
-                slopes = slopes + self._add_creep(side, creep)
-            total += self.resultants[side]
-            to_track = np.array([1.0, signs[0]])
-            forces_on_seat, by_resultant, by_motion = on_seat(newton.pose, signs * self.resultants[side])
-            seats[seat_of(side)] = to_track * forces_on_seat
-            slopes = by_resultant @ (signs[:, None] * slopes)
-            slopes[:, :5] += by_motion * by_signs[:5]
-            jacobian[BENDING, columns] -= self.compliance[:, seat_of(side)] @ (to_track[:, None] * slopes)
-        jacobian[2, 2] += moment_by_roll(self.problem, self.position.roll_rad)
-        jacobian[BENDING, BENDING] += np.eye(4)
-        self.residual, self.relative = with_loads(self.problem, self.position, total)
-        self.unbent = self.bending - self.compliance @ seats
-        self.missed = np.concatenate((self.residual, self.unbent, np.zeros(2)))
-        if self.creep is not None:
-            self._add_equations(self.creep)
-        self.errors.append(self.relative.equilibrium_residual)
-        self.hanging = 0 if all(side.touching.any() for side in self.sides.values()) else self.hanging + 1
+        sides = {side: newton.linearised(self.pose_of(side)) for side, newton in self.sides.items()}
+        creep, slopes = dict(self.creep), dict(self.slopes) if self._serve(tolerance) else {}
+        if self.rolls:
+            # the law of friction need not hold better than the equilibrium
+            error = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
+            theory = WheelsetCreep(self.problem, self.place.rate_rad_s, error)
+            for side, newton in sides.items():
+                normal, (forces, _) = np.zeros(newton.forces.shape), newton.solved
+                normal[newton.touching] = np.maximum(forces, 0.0)
+                now = creep[side] = theory.of_side(side, newton, normal, creep.get(side))
+                slopes[side] = slopes.get(side) or theory.derivatives(side, newton, normal, now)
+                sides[side] = newton.bent(now.resultant, now.rows, now.gap_increase, forces, slopes[side])
+        hanging = 0 if all(side.touching.any() for side in sides.values()) else self.hanging + 1
+        return LinearWheelset.of(replace(self, sides=sides, creep=creep, slopes=slopes, hanging=hanging))
 
-    def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
-        """Find creep forces under normal ones, and let them bend the bodies."""
-        assert self.creep is not None
-        normal = np.zeros(newton.forces.shape)
-        normal[newton.touching] = np.maximum(forces, 0.0)
-        creep = self.rolled[side] = self.creep.of_side(side, newton, normal)
-        if side not in self._slopes:
-            self._slopes[side] = self.creep.derivatives(side, newton, normal, creep)
-        slopes = self._slopes[side]
-        newton.bend(creep.resultant, creep.rows, creep.gap_increase, forces, slopes)
 
-    def _add_creep(self, side: Side, creep: Floats) -> Floats:
-        """Add creep forces of a side and what they change; derivatives of their resultant by `MOTIONS`, (3, 7)."""
-        newton, to_track = self.sides[side], signs_of_creep(side)
-        forces, by, by_signs, columns = self.changes[side]
-        now, change = to_track @ creep, to_track @ newton.creep_stiffness * by_signs
-        self.creeping[:, columns] += change
-        self.creep_now += now
-        self.resultants[side] = self.resultants[side] + now[:3]
-        moment, slopes = newton.yaw_moment(forces, by * by_signs)
-        self.turning -= SIDE_SIGN[side] * moment
-        self.jacobian[YAW, columns] -= SIDE_SIGN[side] * slopes
-        return np.asarray(change[:3])
+@dataclass(frozen=True, eq=False)
+class LinearWheelset:
+    """A wheelset linearised at a place.
 
-    def _add_equations(self, creep: WheelsetCreep) -> None:
-        """Add the equations of torque and yaw."""
-        rolling, problem = creep.motion, self.problem
-        self.jacobian[[0, 1, 2, RATE, YAW]] += self.creeping
-        self.torque = float(self.creep_now[3])
-        self.yaw_moment = float(self.creep_now[4]) + self.turning
-        weight, arm = problem.forces.vertical_N, problem.wheels.distance_mm / 2.0
-        driven, guided = self.torque + rolling.torque, 0.0
-        if rolling.yaw_is_free:
-            guided = self.yaw_moment - self.yaw_stiffness * (self.yaw - problem.position.yaw_rad)
-            self.jacobian[YAW, YAW] -= self.yaw_stiffness
-        self.missed[[RATE, YAW]] = driven, guided
-        self.relative = replace(
-            self.relative,
-            torque_residual=driven / (weight * problem.wheels.tape_radius_mm),
-            yaw_residual=guided / (weight * arm),
-        )
+    - `newton`: the wheelset there; the last of its `errors` is the residual here.
+    - `residual`: what is left of the equations: force and moment on the wheelset, bending of the axle, torque, yaw
+      moment, (9,).
+    - `jacobian`: its derivatives by `RollingPlace`, (9, 9).
+    - `torque_Nmm`, `yaw_moment_Nmm`: of contact and creep forces.
+    """
+
+    newton: WheelsetNewton
+    residual: Floats
+    jacobian: Floats
+    relative: RelativeResiduals
+    torque_Nmm: float  # noqa: N815 (units in names)
+    yaw_moment_Nmm: float  # noqa: N815
+
+    @classmethod
+    def of(cls, newton: WheelsetNewton) -> "LinearWheelset":
+        """The equations ``R + dR/dq dq = 0`` of a wheelset whose sides are linearised."""
+        problem, place, compliance = newton.problem, newton.place, newton.compliance
+        total = np.zeros((N_UNKNOWNS, 1 + N_UNKNOWNS))  # R in the first column, dR/dq behind it
+        for side, side_newton in newton.sides.items():
+            sign, motion = signs_of(side), np.pad(motions_of(side), ((1, 0), (1, 0)))
+            motion[0, 0] = 1.0
+            normal, creep = (values @ motion for values in side_newton.resultants)
+            wrench = normal + creep[[0, 1, 5]]
+            total[:3] += sign[:, None] * wrench
+            total[RATE] += creep[6]
+            total[YAW] -= sign[0] * (creep[4] + side_newton.yaw_moment @ motion)
+            # tau - C s = 0 with the forces on the seats in the track's axes
+            _, by_resultant, by_motion = on_seat(side_newton.pose, wrench[:, 0])
+            on_seats = by_resultant @ wrench + by_motion @ motion[1:6]
+            total[BENDING] -= compliance[:, seat_of(side)] @ (sign[1::-1, None] * on_seats)
+        on_wheels, (torque, yaw_moment) = total[:3, 0].copy(), total[[RATE, YAW], 0].tolist()
+        load, relative = with_loads(problem, place.position, on_wheels)
+        total[:3, 0] = load
+        total[2, 3] += moment_by_roll(problem, place.roll_rad)
+        total[BENDING, 0] += place.bending
+        total[BENDING, 1:][:, BENDING] += np.eye(4)
+        total[[RATE, YAW]] *= newton.rolls
+        if (rolling := newton.motion) is not None:
+            total[RATE, 0] += rolling.torque
+            total[YAW, 0] -= rolling.yaw_stiffness * (place.yaw_rad - problem.position.yaw_rad)
+            total[YAW, 1 + YAW] -= rolling.yaw_stiffness
+            weight, arm = problem.forces.vertical_N, problem.wheels.distance_mm / 2.0
+            relative = replace(
+                relative,
+                torque_residual=float(total[RATE, 0]) / (weight * problem.wheels.tape_radius_mm),
+                yaw_residual=float(total[YAW, 0]) / (weight * arm) * rolling.yaw_is_free,
+            )
+        newton = replace(newton, errors=(*newton.errors, relative.equilibrium_residual))
+        return cls(newton, total[:, 0], total[:, 1:], relative, torque, yaw_moment)
 
     @property
-    def _limits(self) -> Floats:
-        """Step limits."""
-        return np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), np.inf, MAX_YAW_RAD])
+    def free(self) -> Bools:
+        """Which of the unknowns are sought, (9,)."""
+        rolling, position = self.newton.motion, self.newton.problem.position.components
+        yaws = rolling is not None and rolling.yaw_is_free
+        return np.array([*(value is None for value in position), *[True] * 4, rolling is not None, yaws])
 
-    def _step(self) -> Floats:
+    @property
+    def unlimited_step(self) -> Floats:
+        """Newton's step of all unknowns, without limits."""
+        (step,) = _solved(self.jacobian, -self.residual[:, None], self.free, self.free)
+        return step
+
+    def step(self, tolerance: float) -> tuple[WheelsetNewton, bool]:
+        """The wheelset after Newton's step within its limits, and whether it was in equilibrium."""
+        newton, share = self.newton, tolerance / FINE_RESIDUAL
+        step, reaches = self._limited_step()
+        taken = {side: one.taken(motions_of(side) @ step) for side, one in newton.sides.items()}
+        most = share * FINE_FORCES
+        moving = (
+            any(side.creep_is_limited for side in newton.sides.values())
+            or newton.way_left != 0.0
+            or (most < COARSE_FORCES and any(side.changed for side in newton.sides.values()))
+        )
+        bends = bool((np.abs(self.residual[BENDING]) > share * FINE_BENDING).any())
+        settled = self.relative.equilibrium_residual <= tolerance and not (bends or moving)
+        settled = settled and all(change <= most for _, change in taken.values())
+        sides = {side: one for side, (one, _) in taken.items()}
+        return replace(newton, place=newton.place.moved(step), sides=sides, reaches=reaches), settled
+
+    def _limited_step(self) -> tuple[Floats, Mapping[int, Reach]]:
         """Newton's step, limited so that the wheelset goes where it is pushed.
 
         The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
         position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
         With friction and a free yaw there are three such pairs of an unknown that leads and an equation, see `_leads`.
         """
-        n, across = len(self.free), bool(self.free[0])
-        limits = self._limits
-        columns, rows = self.free.copy(), self.free.copy()
-        jacobian = self.jacobian - self._least
+        n, free, rolls, reaches = N_UNKNOWNS, self.free, self.newton.rolls, dict(self.newton.reaches)
+        problem, across, halved = self.newton.problem, bool(free[0]), self.newton.is_halved
+        limits = np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), np.inf, MAX_YAW_RAD])
+        columns, rows = free.copy(), free.copy()
+        arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
+        turning = radius / self.newton.place.rate_rad_s if rolls else 0.0
+        least = np.array([1.0, 1.0, arm**2, *NOT_BENT, turning, arm])
+        jacobian = self.jacobian - np.diag(MIN_STIFFNESS * problem.forces.vertical_N * least)
         lead, row = 0, 0
-        if across and self.free[YAW]:
-            lead, row = _leads(jacobian, self.free, self.yaw_stiffness)
+        if across and free[YAW]:
+            assert self.newton.motion is not None
+            lead, row = _leads(jacobian, free, self.newton.motion.yaw_stiffness)
         sense = 1.0 if lead == row else -1.0
         columns[lead] = False
         if across:
             rows[row] = False
-        right = -np.stack((self.missed, self.jacobian[:, lead]), axis=1)
+        right = -np.stack((self.residual, self.jacobian[:, lead]), axis=1)
         step, by_lead = _solved(jacobian, right, rows, columns)
         # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
         # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
         # and yaw; with creep forces it holds for these alone, also where friction that falls turns their slope over
         numbers = np.arange(n)
-        pushed = columns & rows & ((numbers < BENDING.start) if self.creep is None else numbers >= RATE)
+        pushed = columns & rows & ((numbers < BENDING.start) if not rolls else numbers >= RATE)
         wanted = step.copy()
-        if self.creep is not None:
+        if rolls:
             for number in numbers[pushed]:
                 if self._turns_over(jacobian, step, rows, columns, number):
-                    wanted[number] = np.copysign(np.inf, self.missed[number])
-            for number, reach in self.reaches.items():
+                    wanted[number] = np.copysign(np.inf, self.residual[number])
+            for number in (RATE, YAW):
                 if pushed[number]:  # not a yaw that leads, or that balances the lateral force
-                    limits[number] = reach.limit_of(float(wanted[number]), halved=self._is_halved)
+                    reaches[number] = reaches[number].towards(float(wanted[number]), halved=halved)
+                    limits[number] = reaches[number].limit
         limited = pushed & (np.abs(wanted) > limits)
         if limited.any():
-            part = np.where(limited, np.copysign(limits, self.missed), 0.0)
+            part = np.where(limited, np.copysign(limits, self.residual), 0.0)
             right[:, 0] -= jacobian @ part
             step, by_lead = _solved(jacobian, right, rows & ~limited, columns & ~limited)
             step += part
         excess = float((np.abs(step) / limits).max())
         if excess > 1.0:
-            return step / excess
-        way = self.way_left
+            return step / excess, _after(reaches, step / excess)
+        way = self.newton.way_left
         if across:
-            push = sense * float(self.missed[row] + self.jacobian[row] @ step)
+            push = sense * float(self.residual[row] + self.jacobian[row] @ step)
             slope = sense * float(self.jacobian[row, lead] + self.jacobian[row] @ by_lead)
             way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
             if slope >= 0.0 and abs(push) < SADDLE * abs(self.jacobian[row, lead]):
                 # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
-                way = -np.inf if self.creep is None else 0.0
-        reach = self.reaches[YAW] if lead else self.across
-        limit = reach.limit_of(way, halved=self._is_halved)
-        reach.last = way = float(np.clip(way, -limit, limit))
+                way = -np.inf if not rolls else 0.0
+        reach = reaches[lead].towards(way, halved=halved)
+        way = float(np.clip(way, -reach.limit, reach.limit))
+        reaches[lead] = replace(reach, last=way)
         by_lead[lead], limits[lead] = 1.0, np.inf
         step += way * by_lead
-        return step / max(float((np.abs(step) / limits).max()), 1.0)
+        step /= max(float((np.abs(step) / limits).max()), 1.0)
+        return step, _after(reaches, step)
 
     def _turns_over(self, jacobian: Floats, step: Floats, rows: Bools, columns: Bools, number: int) -> bool:
         """Whether Newton's step of an unknown goes against the push on it where the rest is in equilibrium.
@@ -419,39 +497,8 @@ class WheelsetNewton:
         Its equation rises with it there: an equilibrium ahead would be one that the wheelset leaves.
         """
         rest = np.arange(len(step)) != number
-        (held,) = _solved(jacobian, -self.missed[:, None], rows & rest, columns & rest)
-        return bool((self.missed[number] + jacobian[number] @ held) * step[number] < 0.0)
-
-    @property
-    def unlimited_step(self) -> Floats:
-        """Newton's step of all unknowns, without limits."""
-        (step,) = _solved(self.jacobian, -self.missed[:, None], self.free, self.free)
-        return step
-
-    def step(self, tolerance: float) -> bool:
-        """Move by Newton's step within its limits; whether it was in equilibrium."""
-        share = tolerance / FINE_RESIDUAL
-        error = self.relative.equilibrium_residual
-        step = self._step()
-        change = 0.0
-        for side, (forces, by, by_signs, columns) in self.changes.items():
-            side_step = by_signs * step[columns]
-            change = max(change, self.sides[side].take(forces + by @ side_step, side_step))
-        most = share * FINE_FORCES
-        moving = (
-            self.creep_is_limited
-            or self.way_left != 0.0
-            or (most < COARSE_FORCES and any(side.changed for side in self.sides.values()))
-        )
-        bends = bool((np.abs(self.unbent) > share * FINE_BENDING).any())
-        self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))
-        self.bending = self.bending + step[BENDING]
-        if self.creep is not None:
-            for number, reach in self.reaches.items():
-                reach.last = float(step[number])
-            self.creep.rate_rad_s += float(step[RATE])
-            self.yaw += float(step[YAW])
-        return error <= tolerance and change <= most and not (bends or moving)
+        (held,) = _solved(jacobian, -self.residual[:, None], rows & rest, columns & rest)
+        return bool((self.residual[number] + jacobian[number] @ held) * step[number] < 0.0)
 
     @property
     def condensed(self) -> Floats:
@@ -461,15 +508,16 @@ class WheelsetNewton:
         condensed: Floats = jacobian[:3, :3] - jacobian[:3, BENDING] @ bends
         return condensed
 
-    def equilibrium(self, status: Status) -> Equilibrium[SpatialState]:
-        """What there is now."""
+    def equilibrium(self, newton: WheelsetNewton, status: Status) -> Equilibrium[SpatialState]:
+        """What there is after a step."""
         rolled = stable = None
-        if self.creep is not None:
-            rolled = RolledWheelset(self.rolled, self.creep.rate_rad_s, self.yaw, self.yaw_moment, self.torque)
+        if newton.rolls:
+            place = newton.place
+            rolled = RolledWheelset(newton.creep, place.rate_rad_s, place.yaw_rad, self.yaw_moment_Nmm, self.torque_Nmm)
         elif self.free[:3].all():
-            stable = is_stable(self.problem, self.condensed)
-        state = replace(self.contact, rolled=rolled)
-        return Equilibrium(status, self.position, self.relative, state, self.residual, stable)
+            stable = is_stable(newton.problem, self.condensed)
+        state = replace(newton.contact, rolled=rolled)
+        return Equilibrium(status, newton.place.position, self.relative, state, self.residual[:3], stable)
 
 
 def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
@@ -477,6 +525,11 @@ def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Flo
     solutions = np.zeros(right.shape[::-1])
     solutions[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
     return solutions
+
+
+def _after(reaches: Mapping[int, Reach], step: Floats) -> dict[int, Reach]:
+    """Step limits after a step; that across remembers the way that it would go without the limits of the others."""
+    return {number: replace(reach, last=float(step[number])) if number else reach for number, reach in reaches.items()}
 
 
 def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, int]:
@@ -501,11 +554,3 @@ def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, in
         return YAW, YAW
     direct = stiffness * yaw_stiffness
     return 0, 0 if -direct < by_yaw * moment_by_x < direct / DIRECT else YAW
-
-
-def signs_of_creep(side: Side) -> Floats:
-    """From `SideCreep.resultant` to force (x, y), moment, torque and yaw moment in the track's axes, (5, 7)."""
-    sign = SIDE_SIGN[side]
-    signs = np.zeros((5, 7))
-    signs[0, 0], signs[1, 1], signs[2, 5], signs[3, 6], signs[4, 4] = sign, 1.0, sign, 1.0, -sign
-    return signs

@@ -13,7 +13,6 @@ from flangeway.contact.rolling.rolling_contact import (
     box_of,
 )
 from flangeway.railway.wheelset.side_contact import SideState
-from flangeway.railway.wheelset.side_newton import SideNewton
 from flangeway.types import Bools, Floats
 
 # --- Rolling of a wheel's patch with friction: its cells with influence coefficients in three axes, and its creep
@@ -24,7 +23,7 @@ from flangeway.types import Bools, Floats
 
 
 def contact_in(
-    state: SideState | SideNewton,
+    state: SideState,
     normal: Floats,
     inside: Bools,
     friction: Friction,
@@ -61,13 +60,13 @@ def contact_in(
     )
 
 
-def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
+def rows_of(state: SideState, contact: RollingContact) -> slice:
     """Rows of cells of a side that a patch's contact has."""
     first = int(np.argmin(np.abs(state.grid.grid.bounds[:-1] - contact.grid.bounds[0])))
     return slice(first, first + len(contact.grid.widths))
 
 
-def strips_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
+def strips_of(state: SideState, contact: RollingContact) -> slice:
     """Strips of a side that a patch's contact has."""
     first = int(np.argmin(np.abs(state.grid.grid.along - contact.grid.along[0])))
     return slice(first, first + contact.grid.n_strips)

@@ -5,7 +5,7 @@ cells: v of the axle's middle, the rotation about the wheel's tilted and yawed a
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -26,7 +26,7 @@ from flangeway.railway.wheelset.rolling.patch_rolling import (
     strips_of,
 )
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, WheelPose, tangents_of
-from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, SideNewton, interpolated
+from flangeway.railway.wheelset.side_newton import N_RESULTANTS, CreepSlopes, interpolated
 from flangeway.types import Bools, Floats
 
 CLOSED_FORMS: tuple[Theory, ...] = ("polach", "linear")
@@ -68,6 +68,7 @@ class PatchCreep(NamedTuple):
 class SideCreep:
     """Creep forces of one side in its right-hand form.
 
+    - `grid`: cells of the side.
     - `patches`: by falling normal force.
     - `resultant`: force on the wheel (3,), moment about the axle's middle (3,), and that about the wheel's axis; (7,).
     - `rows`: forces on rows of cells along t and z, (n, 2).
@@ -75,6 +76,7 @@ class SideCreep:
       patches and about them, (n, n_z).
     """
 
+    grid: GriddedSide
     patches: tuple[PatchCreep, ...]
     resultant: Floats
     rows: Floats
@@ -87,23 +89,34 @@ class SideCreep:
             return None
         return [patch.inside for patch in self.patches]
 
+    def patches_on(self, grid: GriddedSide) -> list[Bools]:
+        """Cells of the patches on a grid; on another one all those of their rows."""
+        return [patch.inside if grid is self.grid else _moved(patch, grid.grid) for patch in self.patches]
 
-@dataclass(eq=False)
+    def start(self, contact: RollingContact) -> Rolling | Start | None:
+        """Tractions to start from on the cells of a patch; None without any."""
+        tractions = np.zeros((*contact.pressures.shape, 2))
+        for patch in self.patches:
+            if not isinstance(patch.forces, Rolling | SimplifiedRolling):
+                return None
+            if isinstance(patch.forces, Rolling) and patch.contact.grid is contact.grid:
+                return patch.forces
+            by_axis = np.moveaxis(patch.forces.tractions, 2, 0)
+            tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
+        return Start(tractions, contact) if self.patches else None
+
+
+@dataclass(frozen=True, eq=False)
 class WheelsetCreep:
-    """Creep forces while a position is sought.
+    """Creep forces at a rate of rotation about the axle.
 
     - `problem`: the wheelset, with its motion and friction.
-    - `rate_rad_s`: rate of rotation about the axle.
     - `tolerance`: error of the law of friction by the exact theory.
-    - `before`: creep forces to start from, on other cells.
     """
 
     problem: WheelsetProblem
     rate_rad_s: float
     tolerance: float = TOLERANCE
-    before: Mapping[Side, SideCreep] = field(default_factory=dict)
-    _last: dict[GriddedSide, Rolling] = field(default_factory=dict)
-    _parts: dict[GriddedSide, list[Bools]] = field(default_factory=dict)
 
     @property
     def motion(self) -> RollingMotion:
@@ -129,63 +142,53 @@ class WheelsetCreep:
         # at the origin of the patch, from which spin counts
         return Creepages(slip[:, 2] / speed - spin * s, across - spin * (contact.grid.along[0] - z[0]), spin, speed)
 
-    def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
-        """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
+    def of_side(self, side: Side, state: SideState, normal: Floats, before: SideCreep | None = None) -> SideCreep:
+        """Creep forces under normal forces (n, n_z) at the pose of the wheel.
+
+        - `before`: those of a neighbouring position, perhaps on other cells, from which the search starts.
+        """
         patches: list[PatchCreep] = []
-        for inside in self._divided(side, state, normal):
-            contact = self._contact(side, state, normal, inside)
+        for inside in self._divided(state, normal, before):
+            contact = self._contact(side, state, normal, inside, before)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.along - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            patches.append(PatchCreep(inside, contact, self._forces(state.grid, side, contact, motion), points))
+            patches.append(PatchCreep(inside, contact, self._forces(contact, motion, before), points))
         return self._side(state, state.pose, tuple(patches))
 
-    def _divided(self, side: Side, state: SideNewton | SideState, normal: Floats) -> list[Bools]:
+    def _divided(self, state: SideState, normal: Floats, before: SideCreep | None) -> list[Bools]:
         """Cells that roll as one: a patch, or by the exact theory all of a side.
 
         Each patch moves the surfaces of the others along the track, and nothing jumps as they meet.
         """
         if self.motion.theory == "exact":
             return [normal > 0.0] if normal.any() else []
-        if state.grid not in self._parts and side in self.before:
-            self._parts[state.grid] = [_moved(patch, state.grid.grid) for patch in self.before[side].patches]
-        self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
-        return self._parts[state.grid]
+        return patches_of(normal, [] if before is None else before.patches_on(state.grid))
 
-    def _forces(self, grid: GriddedSide, side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
-        theory, last = self.motion.theory, self._last.get(grid)
-        if theory != "exact":
-            return FAST[theory](contact, motion.mean(contact.places[0], contact.row_shares))
-        start = self._start(side, contact) if last is None or last.contact.grid is not contact.grid else last
-        rolling = self._last[grid] = roll(contact, motion, start=start, tolerance=self.tolerance)
-        return rolling
+    def _forces(self, contact: RollingContact, motion: Creepages, before: SideCreep | None) -> CreepForces:
+        if self.motion.theory != "exact":
+            return FAST[self.motion.theory](contact, motion.mean(contact.places[0], contact.row_shares))
+        start = None if before is None else before.start(contact)
+        return roll(contact, motion, start=start, tolerance=self.tolerance)
 
-    def _start(self, side: Side, contact: RollingContact) -> Start | None:
-        """Tractions of the side before on the cells of a patch."""
-        patches = self.before[side].patches if side in self.before else ()
-        tractions = np.zeros((*contact.pressures.shape, 2))
-        for patch in patches:
-            if not isinstance(patch.forces, Rolling | SimplifiedRolling):
-                return None
-            by_axis = np.moveaxis(patch.forces.tractions, 2, 0)
-            tractions += np.moveaxis(interpolated(by_axis, patch.contact.grid.middles, contact.grid.middles), 0, 2)
-        return Start(tractions, contact) if patches else None
-
-    def _contact(self, side: Side, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
+    def _contact(
+        self, side: Side, state: SideState, normal: Floats, inside: Bools, before: SideCreep | None
+    ) -> RollingContact:
         friction = self.motion.friction_on(state.normals, self.problem.friction_of(side))
         if self.motion.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
-        last, box = self._last.get(state.grid), box_of(inside)[0]
-        if last is not None:
-            rows, strips = rows_of(state, last.contact), strips_of(state, last.contact)
+        box = box_of(inside)[0]
+        if before is not None and before.grid is state.grid and before.patches:
+            last = before.patches[0].contact
+            rows, strips = rows_of(state, last), strips_of(state, last)
             if rows.start <= box.start and box.stop <= rows.stop:
-                pressures = np.where(inside, normal, 0.0)[rows, strips] / last.contact.areas
-                return last.contact.under(pressures, last.contact, friction.of_rows(rows))
+                pressures = np.where(inside, normal, 0.0)[rows, strips] / last.areas
+                return last.under(pressures, last, friction.of_rows(rows))
         return contact_in(state, normal, inside, friction, whole=True)
 
-    def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
+    def _side(self, state: SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
         total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.widths), 2))
         gap_increase = np.zeros(state.forces.shape)
@@ -204,9 +207,9 @@ class WheelsetCreep:
                 moved = state.grid.bending_across[patch_rows, :, patch_rows] @ cells[..., 0].sum(axis=1)
                 moved = (moved * state.normals[patch_rows]).sum(axis=1)[:, None]
                 gap_increase[patch_rows, strips_of(state, contact)] += forces.gap_increase + moved
-        return SideCreep(patches, total, rows, gap_increase)
+        return SideCreep(state.grid, patches, total, rows, gap_increase)
 
-    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, side_creep: SideCreep) -> CreepSlopes:
+    def derivatives(self, side: Side, newton: SideState, normal: Floats, side_creep: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
 
         By differences of the theory itself, or of the exact one by its linearised law of friction.
@@ -230,7 +233,7 @@ class WheelsetCreep:
         return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
 
     def _linearised(
-        self, side: Side, newton: SideNewton, patch: PatchCreep, rolling: Rolling
+        self, side: Side, newton: SideState, patch: PatchCreep, rolling: Rolling
     ) -> tuple[Floats, Floats, Floats]:
         """Derivatives of the exact theory's creep forces of a patch: `CreepSlopes` of it.
 
@@ -267,7 +270,7 @@ class WheelsetCreep:
         return spread @ (changes / sizes), spread @ right.T, weights
 
     def _moved(
-        self, side: Side, newton: SideNewton, patch: PatchCreep
+        self, side: Side, newton: SideState, patch: PatchCreep
     ) -> tuple[Floats, list[tuple[tuple[Floats, Floats], WheelPose]], list[Creepages]]:
         """Sizes of `DIFFERENCE_STEPS`; points and normals of a patch's rows with the pose, and creepages.
 
@@ -296,7 +299,7 @@ class WheelsetCreep:
             motions.append(self.creepages(side, moved, rate + turning, at, contact))
         return sizes, places, motions
 
-    def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
+    def _changed(self, side: Side, newton: SideState, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
         """Derivatives of a patch's resultant and rows' lateral forces by `DIFFERENCE_STEPS` and by shapes, (7 + n, m).
 
         - `shapes`: (k, n, n_z); normal forces grow by their product with these.
