@@ -272,3 +272,34 @@ def test_help_of_sections_names_all_bundled_ones(call):
     help_text = call("section", "--help")[1]
     for name in SECTIONS:
         assert name in help_text
+
+
+def test_compare_shows_what_differs_between_two_runs(call, tmp_path):
+    """The input that was changed and the results that follow it, each with its change; what is the same is left out."""
+    for name, level in (("one", 1), ("two", 2)):
+        assert call("run", "cook", "--set", f"level={level}", "--no-pictures", "-q", "--out", name)[0] == 0
+    status, out, err = call("compare", "one", "two", "--no-pictures")
+    assert status == 0, err
+    found = json.loads((tmp_path / "out" / "compare" / "compare.json").read_text(encoding="utf-8"))
+    assert found["case.level"] == {"first": 1, "second": 2}
+    summaries = [json.loads((tmp_path / name / "summary.json").read_text(encoding="utf-8")) for name in ("one", "two")]
+    stress = "bodies[1].max_von_mises_MPa"
+    values = [summary["bodies"][0]["max_von_mises_MPa"] for summary in summaries]
+    assert list(found[stress].values()) == values
+    assert "case.name" not in found
+    assert not any(key.startswith("timings_s") for key in found)
+    (line,) = (line for line in out.splitlines() if line.startswith(stress))
+    assert line.split()[-1] == f"{100.0 * (values[1] - values[0]) / abs(values[0]):+.2f}"
+
+
+def test_compare_refuses_what_is_no_run_or_another_kind(call, tmp_path):
+    """Folders without a summary, and runs of different cases, are an error that says what to give."""
+    assert call("run", "cook", "--set", "level=1", "--no-pictures", "-q", "--out", "one")[0] == 0
+    (tmp_path / "no").mkdir()
+    assert call("compare", "one", "no")[0] == 2
+    (tmp_path / "no" / "summary.json").write_text("[1]", encoding="utf-8")
+    status, _, err = call("compare", "one", "no")
+    assert status == 2
+    assert "without case and status" in err
+    (tmp_path / "no" / "summary.json").write_text('{"case": {"name": "stack"}, "status": {}}', encoding="utf-8")
+    assert "a run of cook and one of stack" in call("compare", "one", "no")[2]

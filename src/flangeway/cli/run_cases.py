@@ -1,4 +1,4 @@
-"""``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
+"""``flangeway run``, ``check``, ``init``, ``schema``, ``converge``, ``compare`` and ``cases``."""
 
 import inspect
 import os
@@ -147,6 +147,21 @@ def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> b
     with show.progress() as progress:
         convergence = run_halved(case, progress)
     return show.record(convergence_record(stem, convergence, command_typed()), folder)
+
+
+@app.command()
+@shows_results
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder of results, such as out/wheelset.")],
+    second: Annotated[Path, typer.Argument(metavar="OTHERS", help="Folder of the results to compare with.")],
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
+    """Compare two runs: inputs and results that differ, with their changes (out/compare)."""
+    from flangeway.report.comparison import comparison_record  # noqa: PLC0415
+
+    return show.record(comparison_record(first, second, command_typed()), results_folder(out, "compare"))
 
 
 @app.command()
