@@ -45,7 +45,7 @@ def comparison_record(first: Path, second: Path, command: str) -> Report:
     return Report(
         name=f"{first} and {second}",
         title="Two runs compared",
-        subtitle=f"First: {first}. Second: {second}. {n_inputs} of the inputs differ, and {len(rows) - n_inputs} results.",
+        subtitle=f"First: {first}. Second: {second}. {n_inputs} inputs and {len(rows) - n_inputs} results differ.",
         converged=all(status["converged"] for status in statuses),
         message="; ".join(status["message"] for status in statuses if not status["converged"]),
         results=SummaryTable("What differs", ("", "first", "second", "change", "change, %"), tuple(rows)),
