@@ -215,7 +215,7 @@ class _Region:
         forces, areas, depths = np.bincount(self.nodes, self.forces, n), np.zeros(n), np.zeros(n)
         np.maximum.at(depths, self.nodes, -self.pairs.gaps[self.group])
         for inner in surface.edge_places[:, 1:-1].T:
-            for end in surface.edge_places[:, [0, -1]].T:
+            for end in surface.ends.T:
                 np.add.at(forces, end, forces[inner] / 2.0)
         np.add.at(areas, surface.hats.nodes, surface.hats.areas)
         return forces / np.where(areas > 0.0, areas, np.inf), depths
@@ -263,7 +263,7 @@ def _curvatures(surface: Surface) -> Floats:
     edges = surface.part.placement.points(surface.points)[surface.contact_places]
     heights = heights_of(edges)
     curved = heights[np.arange(len(edges)), np.abs(heights).argmax(axis=1)] if heights.size else np.zeros(len(edges))
-    turns = turns_of(edges[:, [0, -1]], np.roll(np.arange(len(edges)), -1))
+    turns = turns_of(edges[:, [0, -1]])
     turns[-1] *= surface.is_closed  # an open surface ends there
     chorded = np.sign(turns + np.roll(turns, 1)) * surface.facet_depths(CORNER_ANGLE)
     return 8.0 * (curved + chorded) / surface.edge_lengths**2

@@ -412,7 +412,7 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
     """
     gaps = []
     for side, other in ((0, 1), (1, 0)):
-        ends = surfaces[other].edge_places[:, [0, -1]]
+        ends = surfaces[other].ends
         joints = np.flatnonzero(_sharp(surfaces[other])[ends[:, 1]])
         corners = np.flatnonzero(_sharp(surfaces[side]))
         if len(corners) == 0 or len(joints) == 0:

@@ -374,7 +374,7 @@ class NodeToNode(Pairing):
     ) -> MatchedPairs:
         """See `Pairing.pair`. An `InputError` if the boundaries do not match."""
         matching, contact_nodes = matching_nodes(secondary, primary), secondary.contact_places
-        ends = primary.part.placement.points(primary.part.body.nodes[primary.nodes])[primary.edge_places[:, [0, -1]]]
+        ends = primary.placed_nodes[primary.ends]
         turn = _chord(primary_edges[:, [0, -1]]) / _chord(ends)
         turned = (matching.normals @ np.array([1.0, 1j])) * turn / abs(turn)
         normals = np.column_stack((turned.real, turned.imag))
@@ -424,8 +424,8 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
             "one order on both sides: nodes of the edges match",
             "take elements of one order, or SegmentToSegment",
         )
-    points = [side.part.placement.points(side.part.body.nodes[side.nodes]) for side in (secondary, primary)]
-    ends = [side.edge_places[:, [0, -1]] for side in (secondary, primary)]
+    points = [side.placed_nodes for side in (secondary, primary)]
+    ends = [side.ends for side in (secondary, primary)]
     _, onto = opposite_places((points[0], ends[0]), (points[1], ends[1]))
     near = onto.away <= MAX_MATCH_DISTANCE
     partner = np.full(len(points[0]), -1)

@@ -16,7 +16,7 @@ from flangeway.contact.surface import Surface
 from flangeway.contact.system import ROUND_OFF, Contact, ContactSystem, nodal_forces_of
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
-from flangeway.geometry.arrays import cross_product, max_magnitude
+from flangeway.geometry.arrays import box_middle, cross_product, max_magnitude
 from flangeway.problems import Body, ElasticField, Part, PointForce, Pressure, Traction
 from flangeway.problems.loads import GivenForces, refuse_held
 from flangeway.problems.nonlinear_body import LinearisedBody, MaterialByCells, MaterialState, NonlinearBody
@@ -576,7 +576,7 @@ def _handle_of(part: Part, load: Load | None) -> Handle | None:
     freedom, placement = part.body.freedom, part.placement
     if load is not None:
         held = part.body.nodes[part.body.supported.any(axis=1)]
-        (pivot,) = placement.points([(held.min(axis=0) + held.max(axis=0)) / 2.0])
+        (pivot,) = placement.points([box_middle(held)])
         free = [value is not None for value in load]
         forces = np.array([value or 0.0 for value in load])
         return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], forces, soft_motions="kept")

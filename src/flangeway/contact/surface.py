@@ -195,12 +195,20 @@ class Surface:
         places = np.arange(n_edges)[:, None] * (width - 1) + np.arange(width)
         return places % len(self.nodes)
 
+    @property
+    def ends(self) -> Ints:
+        """Positions in `nodes` of each edge's ends, shape (n_edges, 2)."""
+        return self.edge_places[:, [0, -1]]
+
+    @property
+    def placed_nodes(self) -> Floats:
+        """Nodes of the undeformed part in space, shape (n_nodes, 2)."""
+        return self.part.placement.points(self.part.body.nodes[self.nodes])
+
     @cached_property
     def corners(self) -> Bools:
         """Which edges end at a sharp convex corner of the undeformed body where another one follows: (n_edges,)."""
-        ends = self.edge_places[:, [0, -1]]
-        points = self.part.placement.points(self.part.body.nodes[self.nodes])
-        turns = turns_of(points[ends], np.roll(np.arange(len(ends)), -1))
+        ends, turns = self.ends, turns_of(self.placed_nodes[self.ends])
         return (turns > CORNER_ANGLE) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
@@ -265,8 +273,7 @@ class Surface:
         edges: Floats = self.part.body.nodes[self.edge_nodes]
         if self.bends is None:
             return edges
-        start, end = as_complex(edges).T
-        return as_vectors(np.stack((start, (start + end) / 2.0 + self.bends * (end - start), end), axis=1))
+        return np.insert(edges, 1, _bent_middles(edges, self.bends), axis=1)
 
     @cached_property
     def points(self) -> Floats:
@@ -274,8 +281,7 @@ class Surface:
         at_nodes: Floats = self.part.body.nodes[self.nodes] + self.shifts
         if self.bends is None:
             return at_nodes
-        start, end = as_complex(at_nodes[self.edge_places]).T
-        return np.concatenate((at_nodes, as_vectors((start + end) / 2.0 + self.bends * (end - start))))
+        return np.concatenate((at_nodes, _bent_middles(at_nodes[self.edge_places], self.bends)))
 
     @cached_property
     def follows_curve(self) -> Bools:
@@ -344,8 +350,7 @@ class Surface:
         """Hat functions on the edges' ends, for averages of the gap."""
         points = self.part.body.nodes
         ends = points[self.edge_nodes[:, [0, -1]]]
-        following = np.roll(np.arange(len(ends)), -1)
-        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH_ANGLE
+        starts_anew = np.abs(np.roll(turns_of(ends), 1)) > ROUGH_ANGLE
         starts_anew[0] |= not self.is_closed
         # one new function at each edge's end, one more at its start where the surface starts anew
         last = np.arange(len(ends)) + np.cumsum(starts_anew)
@@ -398,6 +403,12 @@ class Surface:
     def tributary_areas(self) -> Floats:
         """Area of each node, by `edge_shares` times the thickness or around the axis, shape (n_nodes,)."""
         return sums_at(self.edge_places, self.edge_shares, len(self.nodes)) * self.part.body.depth
+
+
+def _bent_middles(edges: Floats, bends: Complex) -> Floats:
+    """Points (n, 2) of edges by their ends (n, 2, 2) and `Surface.bends`."""
+    start, end = as_complex(edges).T
+    return as_vectors((start + end) / 2.0 + bends * (end - start))
 
 
 def sagittas_of(
@@ -462,10 +473,10 @@ def heights_of(edges: Floats) -> Floats:
     return -cross_product(chords, edges[:, 1:-1] - edges[:, :1]) / norms(chords)
 
 
-def turns_of(edges: Floats, following: Ints) -> Floats:
-    """Angle from each edge (n, 2, 2) to the one that follows."""
+def turns_of(edges: Floats, following: Ints | None = None) -> Floats:
+    """Angle from each edge (n, 2, 2) to the one that follows; left out: to the next one, of the last to the first."""
     chords = chords_of(edges)
-    after = chords[following]
+    after = np.roll(chords, -1, axis=0) if following is None else chords[following]
     return np.arctan2(cross_product(chords, after), (chords * after).sum(axis=1))
 
 

@@ -194,7 +194,7 @@ class StokesSolution:
             points, weights = batch.quadrature(degree)
             at = monomials.evaluate(self.space.order, cells.frame.local(points))
             low = at[: cells.divergence.shape[0]]
-            nodal = self.velocity[batch.dofs[: -batch.element.n_interior() or None]]
+            nodal = self.velocity[batch.outer_dofs]
             local = np.concatenate((nodal.swapaxes(1, 2).reshape(-1, len(batch.cells)), self.inside[batch.cells].T))
             value = np.einsum("aqe,aime,me->qei", at, cells.value, local, optimize=True)
             gradient = np.einsum("aqe,aijme,me->qeij", low, cells.gradient, local, optimize=True)
@@ -298,7 +298,7 @@ def _parts(space: Space) -> Iterator[_Part]:
     n_nodes, n_cells, n_low = space.n_nodes, space.mesh.n_cells, n_monomials(space.order - 1)
     n_inside = n_low - 1 + n_monomials(space.order - 3)
     for batch in space.batches():
-        nodal = component_dofs(batch.dofs[: len(batch.dofs) - batch.element.n_interior()], 2)
+        nodal = component_dofs(batch.outer_dofs, 2)
         inside = 2 * n_nodes + n_inside * batch.cells + np.arange(n_inside)[:, None]
         pressures = 2 * n_nodes + n_inside * n_cells + n_low * batch.cells + np.arange(n_low)[:, None]
         yield batch, divergence_free(space.order, batch.vertices), np.concatenate((nodal, inside)), pressures

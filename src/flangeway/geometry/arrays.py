@@ -97,6 +97,11 @@ def diagonal(points: Floats) -> float:
     return float(norms(np.ptp(points.reshape(-1, points.shape[-1]), axis=0)))
 
 
+def box_middle(points: Floats) -> Floats:
+    """Return the middle (2,) of the box about points (n, 2)."""
+    return (points.min(axis=0) + points.max(axis=0)) / 2.0
+
+
 def box(points: Sequence[Floats], margin: float) -> Floats:
     """Return the corners (2, 2) of the box about all points, widened."""
     every = np.vstack(points)

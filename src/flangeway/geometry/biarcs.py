@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, as_point, cross_product, units_of
+from flangeway.geometry.arrays import FloatArray, as_point, cross_product, turned_right, units_of
 from flangeway.geometry.segments import Arc, Line, Segment
 
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -82,5 +82,5 @@ def _tangent_piece(start: FloatArray, end: FloatArray, tangent: FloatArray) -> S
     turn = 2.0 * float(cross_product(tangent, chord)) / float(chord @ chord)
     if abs(turn) < max(_FLAT_CURVATURE, 8.0 * _FLAT_SAGITTA / float(chord @ chord)):
         return Line(as_point(start), as_point(end))
-    centre = start + np.array([-tangent[1], tangent[0]]) / turn
+    centre = start - turned_right(tangent) / turn
     return Arc(as_point(start), as_point(end), as_point(centre), turn > 0.0)

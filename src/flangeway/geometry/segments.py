@@ -77,7 +77,8 @@ class Line:
         _refuse_zero_length("line", self.start, self.end)
 
     @cached_property
-    def _step(self) -> Floats:
+    def step(self) -> Floats:
+        """From the start to the end, (2,)."""
         return _fixed([[self.end[0] - self.start[0], self.end[1] - self.start[1]]])[0]
 
     @cached_property
@@ -104,7 +105,7 @@ class Line:
 
     def tangent(self, s: ArrayLike) -> Floats:
         """Return the unit tangents (n, 2) in the direction of travel."""
-        return np.tile(self._step / self.length, (len(_parameters(s)), 1))
+        return np.tile(self.step / self.length, (len(_parameters(s)), 1))
 
     def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
@@ -122,7 +123,7 @@ class Line:
     def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points of the segment."""
         given = as_points(points)
-        step = self._step
+        step = self.step
         s = np.clip((given - np.array(self.start)) @ step / (step @ step), 0.0, 1.0)
         return s, norms(given - self.point(s))
 
@@ -314,15 +315,14 @@ def crossing_shares(starts: Floats, steps: Floats, others: Floats, other_steps: 
 
 
 def _line_line(a: Line, b: Line) -> list[Floats]:
-    p, r = np.array(a.start), np.array(a.end) - np.array(a.start)
-    q, s = np.array(b.start), np.array(b.end) - np.array(b.start)
-    parallel = abs(cross_product(r, s)) <= 1e-14 * a.length * b.length
-    return [] if parallel else [p + crossing_shares(p, r, q, s)[0] * r]
+    p, q = np.array(a.start), np.array(b.start)
+    parallel = abs(cross_product(a.step, b.step)) <= 1e-14 * a.length * b.length
+    return [] if parallel else [p + crossing_shares(p, a.step, q, b.step)[0] * a.step]
 
 
 def _line_arc(a: Line, b: Arc) -> list[Floats]:
     p = np.array(a.start)
-    unit = (np.array(a.end) - p) / a.length
+    unit = a.step / a.length
     foot = p + unit * ((np.array(b.centre) - p) @ unit)
     square = b.radius**2 - float(np.sum((foot - np.array(b.centre)) ** 2))
     if square < 0.0:
@@ -342,8 +342,8 @@ def _arc_arc(a: Arc, b: Arc) -> list[Floats]:
     if square < 0.0:
         return []
     unit = d / distance
-    across = math.sqrt(square) * np.array([-unit[1], unit[0]])
-    return [c + along * unit - across, c + along * unit + across]
+    across = math.sqrt(square) * turned_right(unit)
+    return [c + along * unit + across, c + along * unit - across]
 
 
 def meetings(a: Segment, b: Segment, tolerance: float) -> Floats:

@@ -12,6 +12,7 @@ from flangeway.contact.patch.patch_contact import MIN_WAVENUMBER, PatchContact, 
 from flangeway.contact.patch.patch_grid import PatchBody, points_along
 from flangeway.elements import Reconstruction
 from flangeway.exact.half_space import half_space_field, half_space_stresses
+from flangeway.geometry.arrays import run_of
 from flangeway.post.stress import corner_values, values_inside, von_mises
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
@@ -332,8 +333,7 @@ def stress_field(
     distant = (apart > far)[..., None] * tractions
     tractions, z_ends = tractions - distant, z - strip / 2.0
     # even rows from an end of the patch on, as far as there are loads; rows of other patches share theirs by overlap
-    loaded, ahead_of = (np.flatnonzero(tractions.any(axis=axes)) for axes in ((1, 2), (0, 2)))
-    window = slice(int(ahead_of[0]), int(ahead_of[-1]) + 1)
+    loaded, window = np.flatnonzero(tractions.any(axis=(1, 2))), run_of(tractions.any(axis=(0, 2)))
     tractions, z, strips = tractions[:, window], z[window], strips - window.start
     before = int(np.ceil((first - ends[loaded[0], 0]) / width - ROUND_OFF))
     count = before + int(np.ceil((ends[loaded[-1], 1] - first) / width - ROUND_OFF))

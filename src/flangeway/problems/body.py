@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import are_all, check_kind, check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import IntArray, Point
+from flangeway.geometry.arrays import IntArray, Point, box_middle
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.mesh_checks import items_by_cells
@@ -216,7 +216,7 @@ class Body(LinearBody):
         arms = points[corners] - points[first]
         # far along one axis and close to it, so that strains do not turn the body in its frame
         far, across = np.unravel_index((np.abs(arms[:, ::-1]) - 3.0 * np.abs(arms)).argmax(), arms.shape)
-        pivot = points[first] if len(nodes) else (points[corners].min(axis=0) + points[corners].max(axis=0)) / 2.0
+        pivot = points[first] if len(nodes) else box_middle(points[corners])
         return RigidFreedom(pivot, axes, True, {first: "xy", int(corners[far]): "xy"[across]})
 
     def _freedom_on_springs(self) -> RigidFreedom:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import components_of, cross_product, joined_columns, point_text, sums_at
+from flangeway.geometry.arrays import box_middle, components_of, cross_product, joined_columns, point_text, sums_at
 from flangeway.mesh.connectivity import connected
 from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement, RigidHandle
 from flangeway.problems.loads import axes, scalar_at
@@ -133,7 +133,7 @@ def find_constraints(problem: Elasticity[Any]) -> SupportConstraints:
     left = np.where(held[at_nodes, None], 0.0, vectors[at_nodes])[:, :d, :d]
     free = np.zeros((space.n_nodes, d), dtype=np.bool_)
     for batch in space.batches():
-        free[batch.dofs[: len(batch.dofs) - batch.element.n_interior()]] = True
+        free[batch.outer_dofs] = True
     along_axis = (np.abs(left) == 1.0).any(axis=2)
     free[nodes] = along_axis
     for handle in handles:
@@ -206,7 +206,7 @@ def _handles(problem: Elasticity[Any]) -> list[HandleNodes]:
                 "make one handle of both edge sets",
             )
         taken[nodes] = True
-        pivot = (points.min(axis=0) + points.max(axis=0)) / 2.0 if support.pivot is None else np.array(support.pivot)
+        pivot = box_middle(points) if support.pivot is None else np.array(support.pivot)
         handles.append(HandleNodes(support, number, nodes, rigid_motions(points - pivot), pivot))
     return handles
 
@@ -412,7 +412,7 @@ def _nodes_of_pieces(problem: Elasticity[Any], pieces: Ints) -> tuple[Ints, Ints
     """Pairs of a node and a piece that it belongs to, sorted by nodes."""
     keys = []
     for batch in problem.space.batches():
-        outer = batch.dofs[: len(batch.dofs) - batch.element.n_interior()]
+        outer = batch.outer_dofs
         keys.append(np.unique(outer.astype(np.int64) * (pieces.max() + 1) + pieces[batch.cells]))
     nodes, owners = np.divmod(np.unique(np.concatenate(keys)), pieces.max() + 1)
     return nodes, owners

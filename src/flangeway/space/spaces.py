@@ -75,6 +75,11 @@ class CellBatch:
         polyhedra = None if self.polyhedra is None else self.polyhedra.part(columns)
         return CellBatch(self.element, self.cells[columns], self.vertices[..., columns], dofs, outline, polyhedra)
 
+    @property
+    def outer_dofs(self) -> IntArray:
+        """Unknowns of the cells that are not inside of them, (n, n_cells)."""
+        return self.dofs[: len(self.dofs) - self.element.n_interior()]
+
     def vector_dofs(self, n_components: int) -> IntArray:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
         return component_dofs(self.dofs, n_components)

@@ -163,11 +163,11 @@ class PatchBody:
         straight = self.placement.vectors(np.array([self.axis.direction]))[0]
         straight /= np.linalg.norm(straight)
         apart = self.drawn[part] - centre
-        along, radii = apart @ straight, apart @ np.array([-straight[1], straight[0]])
+        along, radii = apart @ straight, apart @ -turned_right(straight)
         axis = np.array([straight[0] * np.cos(self.axis.yaw_rad), straight[1]])
         out_of_plane = straight[0] * np.sin(self.axis.yaw_rad)
         level = np.sqrt(1.0 - out_of_plane**2)
-        first, second = np.array([-axis[1], axis[0]]) / level, -out_of_plane * axis / level
+        first, second = -turned_right(axis) / level, -out_of_plane * axis / level
         with np.errstate(invalid="ignore", divide="ignore"):
             sine = (z - along * out_of_plane) / (radii * level)
             cosine = np.sqrt(1.0 - sine**2)

@@ -456,4 +456,4 @@ def _middle(bracket: Floats, far: float) -> float:
 
 def _forces(rolling: Rolling | Start) -> Floats:
     """Tangential forces (n_cells, 2, n_strips) on the cells."""
-    return (rolling.tractions * rolling.contact.areas[:, :, None]).swapaxes(1, 2)
+    return rolling.contact.forces_of(rolling.tractions)

@@ -281,6 +281,10 @@ class RollingContact:
         """Areas of the cells, shape (n_cells, 1)."""
         return self.grid.areas
 
+    def forces_of(self, tractions: Floats) -> Floats:
+        """Forces (t, z) of the cells (n_cells, 2, n_strips) by tractions (n_cells, n_strips, 2)."""
+        return (tractions * self.areas[:, :, None]).swapaxes(1, 2)
+
     @cached_property
     def normal_forces(self) -> Floats:
         """Normal forces of the cells, shape (n_cells, n_strips)."""
@@ -537,8 +541,7 @@ class Rolling(CreepForces):
     @cached_property
     def displacements(self) -> tuple[Floats, ...]:
         """Those of the second body less the first one's, `RollingContact.displacements`, of this state and the past."""
-        forces = (self.tractions * self.contact.areas[:, :, None]).swapaxes(1, 2)
-        moved = self.contact.displacements(forces) / self.slope + self.contact.pressing
+        moved = self.contact.displacements(self.contact.forces_of(self.tractions)) / self.slope + self.contact.pressing
         return moved, *((moved,) if self.steady else self.past)
 
     @cached_property
@@ -566,9 +569,8 @@ class Rolling(CreepForces):
     @cached_property
     def t_gamma(self) -> float:
         """See `CreepForces.t_gamma`; creepages of each row count with its forces, and pressures that resist rolling."""
-        s, z = self.contact.places
-        rigid = self.motion.rigid(s, z).swapaxes(1, 2)
-        of_creepages = -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
+        rigid = self.motion.rigid(*self.contact.places)
+        of_creepages = -float(np.sum(self.contact.forces_of(self.tractions) * rigid))
         return of_creepages + self.rolling_power / (abs(self.motion.speed) or 1.0)
 
     def part(self, inside: Bools) -> Self:
