@@ -29,7 +29,10 @@ INPUTS = {
     "cook": {"level": 1, "order": 2},
     "torsion": {"size": 12.0},
     "two-bodies": STACK,
-    "rolling-patch": {"lateral_creepage": 5e-4, "cells_along": 12, "cells_across": 10, "curve_points": 3},
+    "rolling-patch": {
+        "patch": {"cells_along": 12, "cells_across": 10},
+        "motion": {"lateral_creepage": 5e-4, "curve_points": 3},
+    },
 }
 FILES = {
     "cook": {"membrane": "membrane.vtu"},
