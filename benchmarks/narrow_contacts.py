@@ -57,7 +57,7 @@ class NarrowContact:
         rectangle = {"width_mm": 4.0 * radius, "height_mm": 2.0 * radius, "centre_mm": [0.0, -radius]}
         if sphere:
             path: list[dict[str, Any]] = [
-                {"start": [0.0, 0.0]},
+                {"from": [0.0, 0.0]},
                 {"arc_to": [radius, radius], "centre": [0.0, radius], "turn": "left", "name": "rim"},
                 {"line_to": [0.0, radius], "name": "cut"},
                 {"line_to": [0.0, 0.0], "name": "axis"},

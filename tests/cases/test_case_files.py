@@ -151,7 +151,7 @@ def test_every_unit_is_in_its_name():
         *("friction", "kinetic", "flange_friction", "upper_friction", "curve_end"),
         *("longitudinal_creepage", "lateral_creepage", "initial", "remaining", "rate"),
         *("moments", "torque"),  # of sections, in N times their unit
-        *("points", "start", "line_to", "arc_to", "through", "centre", "radius"),  # of outlines, as in their files
+        *("points", "from", "line_to", "arc_to", "through", "centre", "radius"),  # of outlines, as in their files
     }
     units = (
         *("_mm", "_MPa", "_N", "_kN", "_rad", "_mrad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3", "_K"),

@@ -22,7 +22,7 @@ INTERFERENCE, LAME_MPA = 0.02, 54.087
 def ring(name: str, inner: float, outer: float, **keys: Any) -> dict[str, Any]:
     """A quarter of a ring."""
     path = [
-        {"start": [inner, 0.0]},
+        {"from": [inner, 0.0]},
         {"line_to": [outer, 0.0], "name": "bottom"},
         {"arc_to": [0.0, outer], "centre": [0.0, 0.0], "turn": "left", "name": "outer"},
         {"line_to": [0.0, inner], "name": "left"},

@@ -15,7 +15,7 @@ def circle(radius: float, name: str = "circle", at: float = 0.0, height: float =
     x, y = radius * np.cos(at), radius * np.sin(at)
     ends = [[sign * x, height + sign * y] for sign in (-1, 1)]
     arcs = [{"arc_to": end, "centre": [0.0, height], "turn": "left", "name": name} for end in ends]
-    return {"path": [{"start": ends[1]}, *arcs]}
+    return {"path": [{"from": ends[1]}, *arcs]}
 
 
 def fit(hub: dict[str, Any], held: str, primary: str = "shaft", **values: Any) -> BodiesRun:
@@ -115,7 +115,7 @@ def test_a_square_peg_in_a_square_hole_marks_its_corners(primary: str) -> None:
     corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
     hole = {"points": [[INNER * x, INNER * y] for x, y in corners]}
     sides = [{"line_to": [INNER * x / 2.0, INNER * y / 2.0], "name": "bore"} for x, y in corners]
-    hub = hole | {"holes": [{"path": [{"start": sides[-1]["line_to"]}, *sides]}]}
+    hub = hole | {"holes": [{"path": [{"from": sides[-1]["line_to"]}, *sides]}]}
     peg = {"points": [[(INNER / 2.0 + GAP) * x, (INNER / 2.0 + GAP) * y] for x, y in corners]}
     edges = {"secondary_edges": "bore"} if primary == "shaft" else {"primary_edges": "bore"}
     secondary = "hub" if primary == "shaft" else "shaft"
@@ -188,7 +188,7 @@ def test_a_contact_across_the_seam_is_one_region(pairing: str) -> None:
 def test_a_pile_of_discs_has_the_forces_of_statics(order: int) -> None:
     """Two whole discs carry a third one: its weight W presses each with W / (2 cos 30), on a floor and on a wall."""
     walls = [[10.0, 20.0], [10.0, 0.0], [-10.0, 0.0], [-10.0, 20.0]]
-    path: list[dict[str, Any]] = [{"start": [-10.0, 20.0]}, {"line_to": [-15.0, 20.0]}, {"line_to": [-15.0, -5.0]}]
+    path: list[dict[str, Any]] = [{"from": [-10.0, 20.0]}, {"line_to": [-15.0, 20.0]}, {"line_to": [-15.0, -5.0]}]
     path += [{"line_to": [15.0, -5.0], "name": "bottom"}, {"line_to": [15.0, 20.0]}]
     path += [{"line_to": point, "name": "in"} for point in walls]
     centres = [(-5.0, 5.0), (5.0, 5.0), (0.0, 5.0 + 5.0 * np.sqrt(3.0))]

@@ -47,7 +47,7 @@ def _patch(run):
 def test_a_sphere_has_hertz_pressure_on_its_axis(size, pairing, young):
     """Of eight to seventeen segments: the maximum and the node on the axis within 1.5 % of 3 F / 2 pi a^2."""
     path = [
-        {"start": [0.0, 0.0]},
+        {"from": [0.0, 0.0]},
         {"arc_to": [RADIUS, RADIUS], "centre": [0.0, RADIUS], "turn": "left", "name": "cap"},
         {"line_to": [0.0, RADIUS], "name": "cut"},
         {"line_to": [0.0, 0.0], "name": "axis"},
@@ -64,7 +64,7 @@ def test_a_sphere_has_hertz_pressure_on_its_axis(size, pairing, young):
 def test_the_peak_of_a_cone_stays():
     """Sneddon (1965): p = E* tan(b) / 2 arcosh(a/r), without limit on the axis, where its node has more than others."""
     path = [
-        {"start": [0.0, 0.0]},
+        {"from": [0.0, 0.0]},
         {"line_to": [8.0, 1.2], "name": "cap"},
         {"line_to": [8.0, 8.0], "name": "side"},
         {"line_to": [0.0, 8.0], "name": "cut"},

@@ -84,7 +84,7 @@ def test_toml_path_of_lines_and_arcs(read):
     through = "{ arc_to = [-2, 0], through = [0, 2], name = 'round' }"
     about = "{ arc_to = [-2, 0], centre = [0, 0], turn = 'left', name = 'round' }"
     for arc in (through, about):
-        found = read(f"unit = 'm'\nouter.path = [{{ start = [-2, 0] }}, {{ line_to = [2, 0] }}, {arc}]")
+        found = read(f"unit = 'm'\nouter.path = [{{ from = [-2, 0] }}, {{ line_to = [2, 0] }}, {arc}]")
         assert found.section.area == pytest.approx(2.0 * math.pi, rel=1e-12)
         assert found.section.parts["section"].outer.names == ("step_1", "round")
 
@@ -248,11 +248,11 @@ def test_clockwise_and_duplicate_points_are_mended_with_a_notice(read):
         ("unit = 'mm'\nyoung_MPa = 1.0\npoisson = 0.5\n" + BOX.split("\n", 1)[1], "below 0.5"),
         ("unit = 'mm'\n", "none of outer, parts"),
         (
-            "unit = 'mm'\nouter.path = [{start = [0, 0]}, {line_to = [1, 0]}, {line_to = [1, 1]}]",
+            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {line_to = [1, 0]}, {line_to = [1, 1]}]",
             r"segment 0 starts at \(0.0, 0.0\), 1.414\d* from the end \(1.0, 1.0\) of segment 1",
         ),
         (
-            "unit = 'mm'\nouter.path = [{start = [0, 0]}, {arc_to = [2, 0], through = [1, 0]}, {line_to = [0, 0]}]",
+            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {arc_to = [2, 0], through = [1, 0]}, {line_to = [0, 0]}]",
             "three points on one line",
         ),
     ],
@@ -328,7 +328,7 @@ outer.names = ["bottom", "right", "top", "left"]
 [[parts.box.holes]]
 circle = { centre = [10, 10], radius = 2 }
 [parts.cap]
-outer.path = [{ start = [0, 20] }, { line_to = [40, 20] }, { arc_to = [0, 20], through = [20, 30], name = "cap" }]
+outer.path = [{ from = [0, 20] }, { line_to = [40, 20] }, { arc_to = [0, 20], through = [20, 30], name = "cap" }]
 """,
     ".csv": """# unit: mm
 name,type,x0,y0,x1,y1,xc,yc,turn

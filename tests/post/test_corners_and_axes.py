@@ -61,7 +61,7 @@ def test_corners_that_meet_corners_are_no_mark(contact: dict[str, str]) -> None:
 def test_a_contact_about_an_axis_has_its_radius(order: int) -> None:
     """Hertz: a = (3 F R / 4 E*)^(1/3), 1.010 mm for a sphere of 8 mm and 1000 MPa under 188.5 N on a rigid flat."""
     path = [
-        {"start": [0.0, 0.0]},
+        {"from": [0.0, 0.0]},
         {"arc_to": [8.0, 8.0], "centre": [0.0, 8.0], "turn": "left", "name": "cap"},
         {"line_to": [0.0, 8.0], "name": "cut"},
         {"line_to": [0.0, 0.0], "name": "axis"},

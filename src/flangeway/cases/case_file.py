@@ -9,6 +9,7 @@ import os
 import re
 import textwrap
 from collections.abc import Collection, Mapping, Sequence
+from keyword import iskeyword
 from pathlib import Path
 from typing import Any, get_origin
 
@@ -399,7 +400,7 @@ def _python(value: Any, above: str, kinds: dict[str, set[str]]) -> str:
         kinds.setdefault(_home(kind), set()).add(kind.__name__)
         written = {key: getattr(value, key) for key in fields}
         entries = [
-            (f"{key}=", entry)
+            (f'**{{"{key}": ' if iskeyword(key) else f"{key}=", entry)
             for key, entry in written.items()
             if fields[key].is_required() or entry != default_of(fields[key])
         ]
@@ -416,7 +417,7 @@ def _python(value: Any, above: str, kinds: dict[str, set[str]]) -> str:
         raise InputError(
             f"{short(value)}, an object of a script", "names of profiles and of files", "name a file in its place"
         )
-    items = [f"{name}{_python(entry, f'{above}    ', kinds)}" for name, entry in entries]
+    items = [f"{name}{_python(entry, f'{above}    ', kinds)}{'}' * name.startswith('**')}" for name, entry in entries]
     comma = "," if ends == "()" and len(items) == 1 else ""  # a tuple of one
     line = f"{ends[:-1]}{', '.join(items)}{comma}{ends[-1]}"
     if "\n" not in line and len(above) + len(line) <= WIDTH:

@@ -373,7 +373,7 @@ def _crowned(name: str, width: float, height: float, radius: float, *, up: bool)
     drop = sign * ((radius**2 - half**2) ** 0.5 - radius)
     ends = [[half * sign, drop], [-half * sign, drop]]
     path = [
-        {"start": ends[0]},
+        {"from": ends[0]},
         {"arc_to": ends[1], "through": [0.0, 0.0], "name": "running"},
         {"line_to": [-half * sign, -sign * height], "name": "side"},
         {"line_to": [half * sign, -sign * height], "name": "far"},

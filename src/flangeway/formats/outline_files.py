@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, Strict
+from pydantic import Field, Strict, create_model
 
 from flangeway.errors import InputError, located
 from flangeway.formats.drawn_section import (
@@ -35,11 +35,18 @@ Corner = Pair | Annotated[tuple[float, float, float], Strict(False)]
 """x, y, and a radius that rounds it."""
 
 
-class PathStart(Record):
+# the files' word is a keyword of Python, which no field of a class can have as a name
+_From: type[Record] = create_model("_From", __base__=Record, **{"from": (Pair, Field(description="first point"))})  # type: ignore[call-overload]
+
+
+class PathStart(_From):  # type: ignore[misc, valid-type]
     """Where a path begins."""
 
-    start: Pair
-    """first point"""
+    @property
+    def point(self) -> Point:
+        """First point."""
+        point: Point = getattr(self, "from")
+        return point
 
 
 class PathStep(Record):
@@ -105,7 +112,7 @@ class LoopTable(Record):
     names: list[str] | None = None
     """names of the sides from each corner to the next (default: side_1 and so on)"""
     path: list[PathStart | LineStep | ArcThrough | ArcAbout] | None = Field(None, min_length=3)
-    """lines and arcs: { start = [x, y] }, then { line_to }, { arc_to, through } or { arc_to, centre, turn }"""
+    """lines and arcs: { from = [x, y] }, then { line_to }, { arc_to, through } or { arc_to, centre, turn }"""
     circle: CircleTable | None = None
     """a circle"""
 
@@ -151,11 +158,11 @@ def _path(path: Sequence[PathStart | LineStep | ArcThrough | ArcAbout], what: st
     for number, step in enumerate(steps, 1):
         if isinstance(step, PathStart) or not isinstance(first, PathStart):
             raise InputError(
-                f"{what}: a path that does not begin with {{ start }}, or begins again",
-                "start = [x, y] once",
+                f"{what}: a path that does not begin with {{ from }}, or begins again",
+                "from = [x, y] once",
                 "correct it",
             )
-        start = drawn[-1].end if drawn else first.start
+        start = drawn[-1].end if drawn else first.point
         drawn.append(step.segment(start, step.name or f"step_{number}", f"{what}: step {number}"))
     return drawn
 
