@@ -260,7 +260,11 @@ class ByInstance:
     @classmethod
     def __get_pydantic_core_schema__(cls, _source: Any, _handler: Any) -> core_schema.CoreSchema:
         """Only an instance is accepted; written out, it is the key of its content."""
-        written = core_schema.plain_serializer_function_ser_schema(lambda value: content_key(cls.__name__, value) or "")
+
+        def key(value: Any) -> str:
+            return content_key(cls.__name__, value) or repr(value)
+
+        written = core_schema.plain_serializer_function_ser_schema(key)
         return core_schema.is_instance_schema(cls, serialization=written)
 
 

@@ -315,8 +315,9 @@ class RadiiPatch(PressedBodies):
         n_rows, n_strips = (n + 2 * MARGIN for n in cells)
         half, strip = hertz.semi_axes[0] * n_rows / cells[0], 2.0 * hertz.semi_axes[1] / cells[1]
         grid = PatchGrid(half * np.linspace(-1.0, 1.0, n_rows + 1), strip, n_strips)
-        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
-        gaps = across[:, None] ** 2 / (2.0 * self.radius_across_mm) + grid.along**2 / (2.0 * self.radius_along_mm)
+        gaps = grid.stations[:, None] ** 2 / (2.0 * self.radius_across_mm) + grid.along**2 / (
+            2.0 * self.radius_along_mm
+        )
         return RollingContact.of_half_spaces(grid, gaps, friction, materials, force=force)
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import scipy.sparse as sp
 from pydantic import Field
 
 from flangeway.cases.case import RunnableCase
@@ -25,6 +24,7 @@ from flangeway.forms import BeamSection
 from flangeway.geometry import Arc, Section
 from flangeway.geometry.arrays import norms
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
+from flangeway.mesh.connectivity import connected
 from flangeway.mesh.gmsh_mesher import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
@@ -133,14 +133,31 @@ class SectionRun(RunResult):
         moments, torque = self.case.moments, self.case.torque
         return self.beam.stresses(self.space.mesh.points, force=axial, shear=shear, moments=moments, torque=torque)
 
+    @property
+    def von_mises(self) -> Floats:
+        """Von Mises stresses of `stresses`, (n_points,)."""
+        assert self.stresses is not None  # asked for where there are forces
+        normal, shear = self.stresses[:, 0], norms(self.stresses[:, 1:])
+        return np.asarray(np.sqrt(normal**2 + 3.0 * shear**2))
+
+    @property
+    def stress_unit(self) -> str:
+        """Unit of the stresses: MPa of lengths in mm, else as N/in²."""
+        return "MPa" if self.drawn.unit == "mm" else f"N/{self.drawn.unit}²"
+
+    @cached_property
+    def numbers(self) -> dict[str, Any]:
+        """The numbers, with the section's unit in the keys."""
+        return _numbers(self)
+
     def parts(self) -> dict[str, Any]:
         """See `RunResult.parts`: the keys have the section's unit."""
-        return _numbers(self) | {"notices": self.notices}
+        return self.numbers | {"notices": self.notices}
 
     @property
     def table(self) -> ResultTable:
         """The constants."""
-        return ResultTable.of_numbers({key: value for key, value in _numbers(self).items() if key != "mesh"})
+        return ResultTable.of_numbers({key: value for key, value in self.numbers.items() if key != "mesh"})
 
 
 def find_section(
@@ -210,7 +227,7 @@ def section_mesh(section: Section, size: float, method: str) -> PolyMesh:
     """
     mesh_bound(section.regions, size)  # refuses a size before arcs are cut into chords as fine
     triangles = triangulate_section(section, size=size, refinements=_along_arcs(section, size))
-    n_pieces = _n_pieces(triangles)
+    n_pieces = int(connected(triangles.cell_neighbours, triangles.n_cells).max()) + 1
     if n_pieces > 1:
         raise InputError(
             f"a section in {n_pieces} pieces that do not touch",
@@ -239,13 +256,6 @@ def _along_arcs(section: Section, size: float) -> list[Refinement]:
             n_chords = max(math.ceil(arc.length / chord), 2)
             refinements.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
     return refinements
-
-
-def _n_pieces(mesh: PolyMesh) -> int:
-    """Return how many groups of cells are not joined by edges."""
-    joined = mesh.edge_cells[(mesh.edge_cells >= 0).all(axis=1)]
-    graph = sp.coo_array((np.ones(len(joined)), joined.T), shape=(mesh.n_cells, mesh.n_cells))
-    return int(sp.csgraph.connected_components(graph, directed=False)[0])
 
 
 def _poisson(drawn: DrawnSection, case: TorsionCase) -> tuple[float, list[str]]:
@@ -360,16 +370,18 @@ def _forces(run: SectionRun) -> dict[str, Any]:
     """Return the maximum stresses under the forces of the case, and where the von Mises stress has its maximum."""
     if run.stresses is None:
         return {}
-    unit, normal = run.drawn.unit, run.stresses[:, 0]
-    of = "MPa" if unit == "mm" else f"N_per_{unit}2"
-    shear = norms(run.stresses[:, 1:])
-    mises = np.sqrt(normal**2 + 3.0 * shear**2)
+    of, normal, mises = stress_key(run), run.stresses[:, 0], run.von_mises
     return {
         f"normal_stress_{of}": [float(normal.min()), float(normal.max())],
-        f"max_shear_stress_{of}": float(shear.max()),
+        f"max_shear_stress_{of}": float(norms(run.stresses[:, 1:]).max()),
         f"max_von_mises_{of}": float(mises.max()),
-        f"max_von_mises_position_{unit}": run.space.mesh.points[mises.argmax()].tolist(),
+        f"max_von_mises_position_{run.drawn.unit}": run.space.mesh.points[mises.argmax()].tolist(),
     }
+
+
+def stress_key(run: SectionRun) -> str:
+    """Return the unit of stresses as keys have it: MPa, or as N_per_in2."""
+    return run.stress_unit.replace("/", "_per_").replace("²", "2")
 
 
 def _angle_deg(angle_rad: float) -> float:

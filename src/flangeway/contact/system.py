@@ -470,7 +470,7 @@ class ContactSystem:
 
     def solved(self, lin: ContactLinearisation, all_forces: Floats) -> list[SolvedContact]:
         """The contacts with their parts of a linearisation and of the forces of its constraints."""
-        ends = np.cumsum([0, *(len(pairs.keys) for pairs in lin.pairs)]).tolist()
+        ends = starts_of([len(pairs.keys) for pairs in lin.pairs]).tolist()
         slices = itertools.starmap(slice, itertools.pairwise(ends))
         given = zip(self.contacts, lin.pairs, slices, strict=True)
         return [SolvedContact(contact, pairs, inside, all_forces[inside]) for contact, pairs, inside in given]
@@ -678,7 +678,7 @@ class ContactSystem:
         self, all_pairs: list[Constraints], members: list[Ints], guarded_nodes: tuple[Guards, ...]
     ) -> ContactLinearisation:
         parts = [part for pairs in all_pairs for part in pairs.parts]
-        starts = np.cumsum([0, *(len(part.keys) for part in parts)])
+        starts = starts_of([len(part.keys) for part in parts])
         points = np.unique(np.concatenate([member.ravel() for member in members]))
         point_rows = tuple(np.searchsorted(points, member) for member in members)
         nodes, spread = points, None

@@ -530,9 +530,7 @@ const places = { view: [], patches: [], curves: [] }; // what is at the pointer,
 
 function drawRigid() {
   if (!state.rigid) return;
-  const begun = performance.now();
-  drawView();
-  const now = positionAt(state.rigid, state.lateral);
+  const begun = performance.now(), now = drawView();
   const numbers = [["rolling radius difference", inUnit(now.difference, "mm", 3)],
     ["contact angle, left", inUnit(now.left.angle, "°", 2)], ["contact angle, right", inUnit(now.right.angle, "°", 2)],
     ["rolling radius, left", inUnit(now.left.radius, "mm", 3)],
@@ -592,6 +590,7 @@ function drawView() {
   scaleBar(context, scaleOfView, width - 12, height - 10);
   $("drawn").textContent = contacts ? "computed: contact points and normal forces on the wheels, bodies without their deflections"
     : "rigid contact, without load";
+  return now;
 }
 
 // without the sign of a zero that round-off gives
@@ -833,14 +832,15 @@ async function runAlone(button, progress, work) {
   if ($("facts").classList.contains("stale")) loadPosition();
 }
 
+const N_SWEPT = 25; // positions across the track
 // T-gamma needs friction: the button says what is computed
 const rolls = () => Object.keys(state.inputs).some(path => path.startsWith("rolling."));
 function nameSweep() {
-  if (!lasting) $("sweep").textContent = `Compute maximum pressures${rolls() ? " and T-gamma" : ""} at 25 positions`;
+  if (!lasting) $("sweep").textContent = `Compute maximum pressures${rolls() ? " and T-gamma" : ""} at ${N_SWEPT} positions`;
 }
 
 async function sweep(goesOn) {
-  const begun = asked, points = state.sweep = [], n = 25;
+  const begun = asked, points = state.sweep = [], n = N_SWEPT;
   const reach = Math.min(-state.rigid.lateral[0], state.rigid.lateral.at(-1), 6);
   for (let k = 0; k < n && begun === asked; k += 1) {
     const lateral = Number((-reach + 2 * reach * k / (n - 1)).toFixed(3));

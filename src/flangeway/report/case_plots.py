@@ -16,16 +16,14 @@ from flangeway.mesh import PolyMesh
 from flangeway.mesh.polyhedral_mesh import PolyhedralMesh
 from flangeway.problems import Elasticity
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.report.campaign_figures import campaign_figures
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import INK, name_axes, new_figure
 from flangeway.report.figures.plots import plot_mesh, plot_result
-from flangeway.report.patch_figures import maps_figure
 from flangeway.report.profile_outputs import profile_figure, shape_figure
 from flangeway.report.rigid_outputs import conicity_figure, locus_figure
-from flangeway.report.wheelset.wheelset_files import patch_map
+from flangeway.report.wheelset.wheelset_figures import pressures_figure
 from flangeway.results import Shown
 
 __all__ = ["plot_result"]
@@ -44,11 +42,6 @@ def _first(draws: Sequence[Callable[[], Figure]], name: str) -> Figure:
     if not draws:
         raise InputError(f"a picture of {name}", "inputs that vary, or results that have one", "draw its table")
     return draws[0]()
-
-
-def _result_figure(result: SpatialResult) -> Figure:
-    maps = [patch_map(result, side) for side in SIDES]
-    return maps_figure(maps, "across the rail, from its middle", "z ahead of the axle")[0]
 
 
 def cells_figure(patch: SpatialPatch) -> Figure:
@@ -82,7 +75,7 @@ PLOTS: dict[type[Shown], Callable[[Any], Figure]] = {
     CampaignTable: _first_of_campaign,
     RailProfile: profile_figure,
     WheelProfile: profile_figure,
-    SpatialResult: _result_figure,
+    SpatialResult: pressures_figure,
     SpatialPatch: cells_figure,
     PolyMesh: lambda mesh: cast(Figure, plot_mesh(mesh).figure),
     PolyhedralMesh: surface_figure,

@@ -7,10 +7,9 @@ from typing import Any
 from flangeway.checks import is_number
 from flangeway.errors import InputError
 from flangeway.records import key_text, leaves
-from flangeway.report.page.record import Again, Report, SummaryTable
+from flangeway.report.page.record import SUMMARY, Again, Report, SummaryTable
 from flangeway.system.file_content import file_content
 
-SUMMARY = "summary.json"
 NOT_COMPARED = ("status", "residual", "timings_s", "peak_memory_MB", "versions", "assumptions", "warnings", "notices")
 """What says how a run went, not what it found."""
 SAME = 1e-9

@@ -57,8 +57,7 @@ def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     profile, body = run.profile, run.body
     axes = new_figure(8.5, 6.0, units, compressed=True).subplots()
     if body is not None and run.join is None:
-        axes.plot(*_closed(body.outline).T, color=GREY, lw=0.9, label="whole outline")
-        axes.plot(*_line(body.running_surface).T, color=BLUE, lw=1.8, label="running surface")
+        _draw_body(axes, body)
     else:
         axes.plot(*_line(profile.surface).T, color=BLUE, lw=1.6, label="curve", zorder=3)
     if profile.smoothing is not None:
@@ -71,10 +70,14 @@ def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
 def profile_figure(profile: RailProfile | WheelProfile) -> Figure:
     """Draw the outline of a profile and its running surface with one scale."""
     axes = new_figure(7.5, 5.5, compressed=True).subplots()
-    axes.plot(*_closed(profile.outline).T, color=GREY, lw=0.9, label="outline")
-    axes.plot(*_line(profile.running_surface).T, color=BLUE, lw=1.8, label="running surface")
+    _draw_body(axes, profile)
     axes.set_title(_title(profile.title), fontsize=10)
     return _shape(axes)
+
+
+def _draw_body(axes: Axes, profile: RailProfile | WheelProfile) -> None:
+    axes.plot(*_closed(profile.outline).T, color=GREY, lw=0.9, label="whole outline")
+    axes.plot(*_line(profile.running_surface).T, color=BLUE, lw=1.8, label="running surface")
 
 
 def _shape(axes: Axes) -> Figure:

@@ -111,10 +111,7 @@ def shear_figure(run: SectionRun) -> Figure:
 
 def stress_figure(run: SectionRun) -> Figure:
     """Draw the von Mises stress under the forces of the case."""
-    assert run.stresses is not None  # drawn only where there are forces
-    normal, shear = run.stresses[:, 0], norms(run.stresses[:, 1:])
-    unit = "MPa" if run.drawn.unit == "mm" else f"N/{run.drawn.unit}²"
-    return _contours(run, np.sqrt(normal**2 + 3.0 * shear**2), "von Mises stress under all forces", unit)
+    return _contours(run, run.von_mises, "von Mises stress under all forces", run.stress_unit)
 
 
 def _fans(mesh: PolyMesh) -> Ints:
@@ -182,10 +179,11 @@ PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
     "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
 }
 """Functions that draw the pictures, the most important first, and what they show, by the files' names."""
+STRESS_PICTURE = {"stress.png": (stress_figure, "The von Mises stress under the prescribed forces")}
+"""The same of a section under forces, before the others."""
 
 
 def section_pictures(run: SectionRun) -> list[Picture]:
     """Pictures of a section, the most important first."""
-    forces = {"stress.png": (stress_figure, "The von Mises stress under the given forces")}
-    draws = [*(forces.items() if run.stresses is not None else ()), *PICTURES.items()]
-    return [Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in draws]
+    draws = (STRESS_PICTURE if run.case.has_forces else {}) | PICTURES
+    return [Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in draws.items()]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from flangeway.cases.case_file import write_case_file
-from flangeway.cases.section_run import STEEL_KG_M3, SectionRun
+from flangeway.cases.section_run import STEEL_KG_M3, SectionRun, stress_key
 from flangeway.formats import write_vtu
 from flangeway.post import corner_shear_stresses
 from flangeway.quantities import Quantity, measured, present
@@ -96,7 +96,7 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     bounds = ("lower bound (Prandtl)", "upper bound (warping)")
     if not constants.bounds_certain:
         bounds = ("from Prandtl's function", "from the warping function")
-    keyed, stress = ("MPa", "MPa") if unit == "mm" else (f"N_per_{unit}2", f"N/{unit}²")
+    keyed, stress = stress_key(run), run.stress_unit
     shown = (
         ("area_{u}2", "area", "{u}²", ".7g"),
         ("mass_per_metre_kg_m", f"mass per length, {steel}", "kg/m", ".4g"),

@@ -35,6 +35,9 @@ class PolachForces(CreepForces):
     t_gamma: float = 0.0
 
 
+CLOSED_FORM = Status(True, "closed form", 0)
+
+
 def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
     """Kalker's linear theory (1967, thesis, Delft; 1990, 2.2.3): no slip, forces in proportion to creepages.
 
@@ -54,7 +57,8 @@ def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
         x = y = moment = 0.0
     elif beyond > limit:
         notices = (f"linear theory gives {beyond / limit:.3g} times the limit of friction",)
-    return _closed_form("linear theory", contact, motion, ellipse, (x, y, moment), notices)
+    common = _resultants("linear theory", contact, motion, ellipse, (x, y, moment), notices)
+    return CreepForces(**common, status=CLOSED_FORM)
 
 
 def polach(contact: RollingContact, motion: Creepages) -> PolachForces:
@@ -101,20 +105,8 @@ def polach(contact: RollingContact, motion: Creepages) -> PolachForces:
         x = force * ellipse.xi / whole
         y = (force * ellipse.eta - by_spin * ellipse.phi) / whole
         work = -float(force * creep**2 / whole)
-    forces = _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
-    return PolachForces(**vars(forces), t_gamma=work)
-
-
-def _closed_form(
-    theory: str,
-    contact: RollingContact,
-    motion: Creepages,
-    ellipse: EllipticContact,
-    resultant: tuple[float, float, float],
-    notices: tuple[str, ...] = (),
-) -> CreepForces:
-    status = Status(True, "closed form", 0)
-    return CreepForces(**_resultants(theory, contact, motion, ellipse, resultant, notices), status=status)
+    common = _resultants("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
+    return PolachForces(**common, status=CLOSED_FORM, t_gamma=work)
 
 
 def _resultants(

@@ -15,7 +15,7 @@ import scipy.linalg
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import cross_product
+from flangeway.geometry.arrays import cross_product, sums_at
 from flangeway.railway.wheelset.side_contact import ALL, FAR_MM, GriddedSide, SideState, WheelPose, tangents_of
 from flangeway.types import Bools, Floats
 
@@ -273,8 +273,8 @@ class SideNewton(SideState):
         n, by_forces = len(self.points), self.tangent.resultant
         weights, rows = self.slopes.weights[:, self.touching], np.nonzero(self.touching)[0]
         motion, row, shape = self._creep_changes
-        changes, values = np.zeros((n, 1 + len(MOTIONS))), np.column_stack(self.solved)
-        np.add.at(changes, rows, values)
+        values = np.column_stack(self.solved)
+        changes = sums_at(rows, values, n)
         changes[:, 0] -= self.forces.sum(axis=1)
         shapes = weights @ values
         shapes[:, 0] -= self.shape
@@ -404,10 +404,9 @@ def _fractions(old: Floats, new: Floats) -> Floats:
 
 def transferred_creep(state: SideState, grid: GriddedSide) -> Floats:
     """Creep forces of rows on the nearest rows of another grid."""
-    creep, stations = np.zeros((len(grid.grid.widths), 2)), grid.grid.stations
+    stations = grid.grid.stations
     nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
-    np.add.at(creep, nearest, state.creep)
-    return creep
+    return sums_at(nearest, state.creep, len(stations))
 
 
 def solve_side(

@@ -184,7 +184,7 @@ class SpatialWheelset:
                     newton = newton.on(at_peaks, state)
             if self._is_off(newton, begun):
                 break
-        return replace(equilibrium, status=self._none(equilibrium, newton.motion))
+        return replace(equilibrium, status=self._no_equilibrium_status(equilibrium, newton.motion))
 
     def lateral_uncertainty(self, equilibrium: Equilibrium[SpatialState]) -> float:
         """How far an equilibrium with friction moves across the track on cells shifted by half of their size, mm.
@@ -219,7 +219,7 @@ class SpatialWheelset:
         stops = lateral is not None and (climbs or not self.start.can_reach(lateral))
         return turns or bool((ways > MAX_WAY).any()) or stops
 
-    def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
+    def _no_equilibrium_status(self, last: Equilibrium[SpatialState], motion: RollingMotion | None) -> Status:
         """No equilibrium: what is not balanced where the search ended, and what would hold it."""
         residuals, position = last.residuals, last.position
         free = np.array([*residuals.free, True, True])

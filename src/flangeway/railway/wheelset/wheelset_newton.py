@@ -314,7 +314,7 @@ class WheelsetNewton:
         """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
         return len(self.errors) > 2 and self.errors[-1] < HALVED * self.errors[-2]
 
-    def _serve(self, tolerance: float) -> bool:
+    def _derivatives_still_valid(self, tolerance: float) -> bool:
         """Whether three more steps with these derivatives of creep forces would be enough: new ones cost as much."""
         if len(self.errors) < 3:
             return True
@@ -327,7 +327,7 @@ class WheelsetNewton:
         - `tolerance`: equilibrium residual that is asked for.
         """
         sides = {side: newton.linearised(self.pose_of(side)) for side, newton in self.sides.items()}
-        creep, slopes = dict(self.creep), dict(self.slopes) if self._serve(tolerance) else {}
+        creep, slopes = dict(self.creep), dict(self.slopes) if self._derivatives_still_valid(tolerance) else {}
         if self.rolls:
             # the law of friction need not hold better than the equilibrium
             error = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))

@@ -41,7 +41,7 @@ from flangeway.report.patch_figures import draw_depths, maps_figure, rolling_fig
 from flangeway.report.patch_maps import ShownRolling
 from flangeway.report.wheelset.wheelset_files import foot_stresses, lines_below, patch_map
 from flangeway.types import Floats
-from flangeway.units import us_unit
+from flangeway.units import Units, us_unit
 
 # --- Pictures of a wheelset: its section with the pressures; in three dimensions its patches and the stresses below.
 
@@ -177,9 +177,14 @@ def nodes_figure(run: PlaneWheelsetRun) -> Figure:
 
 
 def patches_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw the pressures of a run, see `pressures_figure`."""
+    return pressures_figure(run.result, run.case.units)
+
+
+def pressures_figure(result: SpatialResult, units: Units = "metric") -> Figure:
     """Draw the pressures of both sides from above, z ahead, with outlines and Hertz's ellipses, in one scale."""
-    maps = [patch_map(run.result, side) for side in SIDES]
-    figure, both = maps_figure(maps, "across the rail, from its middle", "z ahead of the axle", run.case.units)
+    maps = [patch_map(result, side) for side in SIDES]
+    figure, both = maps_figure(maps, "across the rail, from its middle", "z ahead of the axle", units)
     for axes, side, shown in zip(both, SIDES, maps, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
         axes.set_title(f"{side} rail".capitalize(), fontsize=10)
