@@ -4,9 +4,9 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, cast
+from typing import Annotated, Any, ClassVar, cast
 
-from pydantic import Field
+import annotated_types as at
 
 from flangeway.cases.summary import RunResult, summary_numbers
 from flangeway.errors import InputError
@@ -36,13 +36,13 @@ class Case(Record):
     title: ClassVar[str]
     units: Units = "metric"
     """units of numbers in results; an input has the unit at the end of its key"""
-    report_title: str | None = Field(default=None, max_length=200)
+    report_title: Annotated[str, at.MaxLen(200)] | None = None
     """title of the report (default: that of the case)"""
-    project: str | None = Field(default=None, max_length=200)
+    project: Annotated[str, at.MaxLen(200)] | None = None
     """project, for the report"""
-    author: str | None = Field(default=None, max_length=200)
+    author: Annotated[str, at.MaxLen(200)] | None = None
     """author, for the report"""
-    date: str | None = Field(default=None, max_length=60)
+    date: Annotated[str, at.MaxLen(60)] | None = None
     """date, for the report (default: today)"""
 
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments

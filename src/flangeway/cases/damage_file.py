@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
+import annotated_types as at
 from pydantic import ConfigDict, Field
 
 from flangeway.cases.case_file import resolved
@@ -36,7 +37,7 @@ class StateTable(Record):
     """fraction of the distance; all shares sum to 1"""
     name: str | None = None
     """name of the state (default: its number)"""
-    parts: int = Field(default=1, ge=1, le=1000)
+    parts: Annotated[int, at.Ge(1), at.Le(1000)] = 1
     """equal parts of its ranges, each computed in its middle"""
 
 
@@ -58,7 +59,7 @@ class DamageTables(Record):
     """whether left and right profiles wear alike, as in curves of both hands, or each for itself"""
     inputs: dict[str, Any] = Field({})
     """inputs of the case wheelset that all states share"""
-    states: list[StateTable] | None = Field(None, min_length=1)
+    states: Annotated[list[StateTable], at.MinLen(1)] | None = None
     """states of the collective"""
     evolution: EvolutionSettings
     """how far the profiles wear, by which steps, and at which limits it ends"""

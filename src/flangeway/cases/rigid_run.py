@@ -5,10 +5,10 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
+import annotated_types as at
 import numpy as np
-from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.case_file import CaseText, resolved
@@ -63,11 +63,11 @@ from flangeway.types import Floats, Progress
 class Scan(Record):
     """Positions of the rigid wheelset, and amplitudes of its conicity."""
 
-    maximum_lateral_mm: float = Field(default=8.0, gt=0.0, le=60.0)
+    maximum_lateral_mm: Annotated[float, at.Gt(0.0), at.Le(60.0)] = 8.0
     """maximum lateral displacement that is shown; less where a flange climbs before"""
-    step_mm: float = Field(default=0.02, ge=1e-3, le=1.0)
+    step_mm: Annotated[float, at.Ge(1e-3), at.Le(1.0)] = 0.02
     """distance of the positions"""
-    maximum_amplitude_mm: float = Field(default=6.0, gt=0.0, le=30.0)
+    maximum_amplitude_mm: Annotated[float, at.Gt(0.0), at.Le(30.0)] = 6.0
     """maximum amplitude of the conicity"""
     roll: Literal["free", "none"] = "free"
     """free: both wheels touch; none: no roll, as in the reference results of EN 15302"""
@@ -76,7 +76,7 @@ class Scan(Record):
 class Yaw(Record):
     """The position of the rigid wheelset as far as it is prescribed."""
 
-    yaw_mrad: float = Field(default=0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD)
+    yaw_mrad: Annotated[float, at.Ge(-1e3 * MAX_YAW_RAD), at.Le(1e3 * MAX_YAW_RAD)] = 0.0
     """yaw of the axle, counter-clockwise seen from above: the right wheel is ahead"""
 
 
@@ -263,7 +263,7 @@ class ConicityCase(Case):
 
     unit: LengthUnit | None = None
     """unit of both columns; that of the file if left out"""
-    maximum_amplitude_mm: float | None = Field(default=None, ge=FIRST_MM, le=30.0)
+    maximum_amplitude_mm: Annotated[float, at.Ge(FIRST_MM), at.Le(30.0)] | None = None
     """maximum amplitude; as far as the difference is given if left out"""
 
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field, model_validator
 
@@ -222,9 +223,9 @@ class RollingOver(FrictionInputs, TangentialForces):
     """exact theory, fastsim, fastrip, polach or linear theory"""
     curve: Literal["longitudinal", "lateral", "spin", "none"] = "longitudinal"
     """creepage of the creep curve by all theories; the others are those of the case"""
-    curve_end: float = Field(default=3.0, gt=0.0, le=1e3)
+    curve_end: Annotated[float, at.Gt(0.0), at.Le(1e3)] = 3.0
     """its end relative to the creepage at which linear theory reaches the limit of friction"""
-    curve_points: int = Field(default=25, ge=3, le=1000)
+    curve_points: Annotated[int, at.Ge(3), at.Le(1000)] = 25
     """number of its points"""
 
     exclusive = (("longitudinal_creepage", "longitudinal_force_kN"), ("lateral_creepage", "lateral_force_kN"))
@@ -285,9 +286,9 @@ class PressedBodies(Record):
 
     force_kN: Positive = 80.0
     """normal force"""
-    cells_along: int = Field(default=30, ge=4, le=MAX_CELLS)
+    cells_along: Annotated[int, at.Ge(4), at.Le(MAX_CELLS)] = 30
     """number of cells along the patch"""
-    cells_across: int = Field(default=30, ge=4, le=MAX_CELLS)
+    cells_across: Annotated[int, at.Ge(4), at.Le(MAX_CELLS)] = 30
     """number of cells across"""
 
 
@@ -302,7 +303,7 @@ class RadiiPatch(PressedBodies):
     """relative radius of curvature across"""
     upper_young_MPa: Positive | None = None
     """Young's modulus of the upper body (default: young_MPa)"""
-    upper_poisson: float | None = Field(default=None, ge=0.0, lt=0.5)
+    upper_poisson: Annotated[float, at.Ge(0.0), at.Lt(0.5)] | None = None
     """Poisson's ratio of the upper body (default: poisson)"""
 
     def contact(self, friction: Friction, steel: Elastic) -> RollingContact:
@@ -365,7 +366,7 @@ class RollingPatchCase(RunnableCase):
     """pressures of the patch"""
     young_MPa: Positive = 210e3
     """Young's modulus"""
-    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
+    poisson: Annotated[float, at.Ge(0.0), at.Lt(0.5)] = 0.3
     """Poisson's ratio"""
     motion: RollingOver | ShiftedOver = Field(RollingOver(), discriminator=TAG)
     """how the upper body moves on the lower one"""

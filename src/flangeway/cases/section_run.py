@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field
 
@@ -62,11 +63,11 @@ class TorsionCase(RunnableCase):
     """layers of a DXF file, shown or not (default: what is visible)"""
     method: Literal["fem", "vem"] = "fem"
     """fem is triangles, vem is polygons with virtual elements"""
-    order: int = Field(default=2, ge=1, le=6)
+    order: Annotated[int, at.Ge(1), at.Le(6)] = 2
     """order of the elements; fem up to 3"""
-    size: float | None = Field(default=None, ge=1e-9, le=1e9)
+    size: Annotated[float, at.Ge(1e-9), at.Le(1e9)] | None = None
     """edge length in the section's unit (default: chosen from the section)"""
-    poisson: float | None = Field(default=None, ge=0.0, le=0.5)
+    poisson: Annotated[float, at.Ge(0.0), at.Le(0.5)] | None = None
     """Poisson's ratio for the shear centre (default: Trefftz's shear centre)"""
     axial_N: float = 0.0
     """axial force at the centroid in N, tension positive"""

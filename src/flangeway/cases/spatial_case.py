@@ -6,8 +6,9 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field
 
@@ -156,7 +157,7 @@ class SpatialBodyTable(BodyTable):
     """a point of the axis of a body of revolution (default: a prism)"""
     axis_rotation_deg: float = 0.0
     """angle of the axis from x, counter-clockwise"""
-    yaw_deg: float = Field(default=0.0, ge=-45.0, le=45.0)
+    yaw_deg: Annotated[float, at.Ge(-45.0), at.Le(45.0)] = 0.0
     """rotation of the axis about y, from x towards z"""
 
     needs = (
@@ -234,9 +235,9 @@ class SpatialCase(RunnableCase):
     """size of square cells (default: 26 across the patch)"""
     window_mm: Pair | None = None
     """width and length along z of the grid, with cell_mm"""
-    tolerance: float = Field(1e-3, gt=0.0, le=0.1)
+    tolerance: Annotated[float, at.Gt(0.0), at.Le(0.1)] = 1e-3
     """interpolation error of the compliances"""
-    bodies: list[SpatialBodyTable] = Field(min_length=2, max_length=2)
+    bodies: Annotated[list[SpatialBodyTable], at.MinLen(2), at.MaxLen(2)]
     """the lower body, then the upper one"""
 
     exclusive = needed = (("force_kN", "approach_mm"),)
@@ -407,7 +408,7 @@ class CraneWheelCase(SpatialPreset):
     """width of the tread and of the rail's head"""
     rim_mm: Positive = 50.0
     """thickness of the rim, and height of the head, that are modelled"""
-    yaw_deg: float = Field(default=0.0, ge=-5.0, le=5.0)
+    yaw_deg: Annotated[float, at.Ge(-5.0), at.Le(5.0)] = 0.0
     """skew of the wheel"""
 
     def bodies(self) -> list[dict[str, Any]]:
@@ -471,7 +472,7 @@ class CrossedCylindersCase(SpatialPreset):
     """radius of the lower cylinder, whose axis is z"""
     upper_radius_mm: Positive = 40.0
     """radius of the upper cylinder"""
-    angle_deg: float = Field(default=90.0, ge=45.0, le=90.0)
+    angle_deg: Annotated[float, at.Ge(45.0), at.Le(90.0)] = 90.0
     """angle between both axes"""
 
     def bodies(self) -> list[dict[str, Any]]:

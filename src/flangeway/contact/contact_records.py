@@ -3,6 +3,7 @@
 # ruff: noqa: N815 (units in names)
 from typing import Annotated, Literal
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field
 
@@ -51,7 +52,7 @@ class NodePairing(Record):
 
     kind: Literal["node-to-segment"]
     """gaps of the secondary nodes to the primary edges"""
-    slack: float = Field(NodeToSegment.slack, gt=0.0, le=OPEN_SLACK)
+    slack: Annotated[float, at.Gt(0.0), at.Le(OPEN_SLACK)] = NodeToSegment.slack
     """how far beyond its edge, in parts of the edge, a node stays paired with it"""
 
     @property
@@ -164,11 +165,11 @@ class Shift(Record):
 
     body: str
     """name of the body"""
-    leg: int = Field(default=1, ge=1, le=100)
+    leg: Annotated[int, at.Ge(1), at.Le(100)] = 1
     """leg of the path: motions of 2 follow those of 1; forces act from 1 on"""
     shift_mm: Pair = (0.0, 0.0)
     """shift of the body's supports"""
-    rotation_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
+    rotation_deg: Annotated[float, at.Ge(-90.0), at.Le(90.0)] = 0.0
     """rotation of the supports, counter-clockwise"""
     centre_mm: Pair = (0.0, 0.0)
     """centre of this rotation"""
@@ -213,7 +214,7 @@ class ContactTable(Record):
     """whether an overlap before any motion is intended: no warning then"""
     pairing: Pairing
     enforcement: Law
-    friction: float = Field(default=0.0, ge=0.0, le=10.0)
+    friction: Annotated[float, at.Ge(0.0), at.Le(10.0)] = 0.0
     """coefficient of Coulomb's friction"""
 
     def side(self, role: Role) -> tuple[str, Names | None, Box | None, str]:
@@ -225,7 +226,7 @@ class ContactTable(Record):
 class StepsTable(Record):
     """How loads and motions are applied."""
 
-    number: int | None = Field(default=None, ge=1, le=1000)
+    number: Annotated[int, at.Ge(1), at.Le(1000)] | None = None
     """number of equal steps of each leg; a step that does not converge is halved (default: 1, and with friction as
     many as the error of the steps needs)"""
 
@@ -237,7 +238,7 @@ class BodiesProblem(Record):
     """length of all bodies out of the plane"""
     hypothesis: HypothesisName = "plane-strain"
     """no strain, or no stress, out of the plane; or bodies of revolution about y, x the radius"""
-    bodies: list[BodyTable] = Field(min_length=1)
+    bodies: Annotated[list[BodyTable], at.MinLen(1)]
     """the bodies: shape, mesh, elements and material of each"""
     supports: list[EdgesSupport | PointSupport] = Field([])
     """supports, with or without a prescribed displacement"""

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
+import annotated_types as at
 from pydantic import Field, Strict, create_model
 
 from flangeway.errors import InputError, located
@@ -107,11 +108,11 @@ class CircleTable(Record):
 class LoopTable(Record):
     """A closed outline."""
 
-    points: list[Corner] | None = Field(None, min_length=3)
+    points: Annotated[list[Corner], at.MinLen(3)] | None = None
     """corners [x, y], or [x, y, radius] to round them"""
     names: list[str] | None = None
     """names of the sides from each corner to the next (default: side_1 and so on)"""
-    path: list[PathStart | LineStep | ArcThrough | ArcAbout] | None = Field(None, min_length=3)
+    path: Annotated[list[PathStart | LineStep | ArcThrough | ArcAbout], at.MinLen(3)] | None = None
     """lines and arcs: { from = [x, y] }, then { line_to }, { arc_to, through } or { arc_to, centre, turn }"""
     circle: CircleTable | None = None
     """a circle"""
@@ -212,7 +213,7 @@ class SectionTable(PartTable):
     """title (default: the file's name)"""
     unit: str | None = None
     """unit of length of all coordinates"""
-    parts: dict[str, PartTable] | None = Field(None, min_length=1)
+    parts: Annotated[dict[str, PartTable], at.MinLen(1)] | None = None
     """parts by name"""
 
     exclusive = tuple((key, "parts") for key in ("outer", "holes", "young_MPa", "poisson"))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
+import annotated_types as at
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
@@ -99,7 +100,7 @@ class DiscTable(Record):
     """centre of the circle"""
     half: Literal["upper", "lower"] | None = None
     """the half above or below the centre alone"""
-    arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
+    arc_deg: Annotated[float, at.Gt(0.0), at.Lt(180.0)] | None = None
     """angle of the side arc about the apex of a half (default: none, all is rim)"""
 
     needs = (("arc_deg", "half"),)
@@ -119,7 +120,7 @@ class FineTable(Record):
     """edge length of the triangles there"""
     edges: Names | None = None
     """sides of the outline along which the mesh is finer"""
-    at_mm: list[Pair] | None = Field(None, min_length=1)
+    at_mm: Annotated[list[Pair], at.MinLen(1)] | None = None
     """points of a polyline along which the mesh is finer"""
     growth: Fraction = 0.15
     """growth of the edge length per distance"""
@@ -147,7 +148,7 @@ class MaterialTable(Record):
 
     young_MPa: Positive = 210e3
     """Young's modulus"""
-    poisson: float = Field(default=0.3, gt=-1.0, le=0.5)
+    poisson: Annotated[float, at.Gt(-1.0), at.Le(0.5)] = 0.3
     """Poisson's ratio; 0.5 in plane stress only"""
     density_kg_m3: Positive | None = None
     """density, for gravity_m_s2"""
@@ -165,7 +166,7 @@ class MaterialTable(Record):
 class ShapeTable(Record):
     """A body's shape, mesh and elements."""
 
-    name: str = Field(min_length=1, max_length=60)
+    name: Annotated[str, at.MinLen(1), at.MaxLen(60)]
     """name of the body, used by the other tables"""
     rectangle: RectangleTable | None = None
     """shape: a rectangle"""

@@ -5,8 +5,9 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field
 
@@ -139,14 +140,14 @@ class HertzCase(PresetCase, BodiesCase):
     """growth of the edge length per distance from the contact"""
     pairing: Pairing
     enforcement: Law
-    fine_arc_deg: float | None = Field(default=None, gt=0.0, lt=180.0)
+    fine_arc_deg: Annotated[float, at.Gt(0.0), at.Lt(180.0)] | None = None
     """angle of the fine arc of both discs about the contact (default: its zone)"""
     halved_edges: bool = False
     """whether the edges of the fine arcs are halved, see halved_side"""
     stabilisation: Stabilisation = "default"
     curved: bool = True
     """whether gaps are measured between the circles, not between straight edges"""
-    n_steps: int = Field(default=1, ge=1, le=1000)
+    n_steps: Annotated[int, at.Ge(1), at.Le(1000)] = 1
     """number of equal load steps"""
 
     exclusive = (("indentation_mm", "force_N"),)
@@ -324,7 +325,7 @@ class ContactPatchCase(PresetCase, BodiesCase):
     pairing: Pairing
     enforcement: Law = Field(default_factory=lambda: MultiplierLaw(kind="multiplier"), discriminator="kind")
     """constraint enforcement; of the pairings all but node-to-segment pass"""
-    rotation_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
+    rotation_deg: Annotated[float, at.Ge(-90.0), at.Le(90.0)] = 0.0
     """rotation of everything, counter-clockwise"""
 
     def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
@@ -513,9 +514,9 @@ class CookCase(BodiesCase):
 
     method: Literal["fem", "vem", "mixed"] = "vem"
     """fem: triangles; vem: polygons; mixed: triangles inside, virtual quadrilaterals on the rim"""
-    level: int = Field(default=3, ge=1, le=MAX_LEVEL)
+    level: Annotated[int, at.Ge(1), at.Le(MAX_LEVEL)] = 3
     """refinement: each cuts the triangles before in four"""
-    order: int = Field(default=2, ge=1, le=4)
+    order: Annotated[int, at.Ge(1), at.Le(4)] = 2
     """order of the elements; fem up to 3"""
     poisson: PoissonRatio = PUBLISHED_POISSON
     """Poisson's ratio; 0.4999 shows locking"""

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import annotated_types as at
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 from scipy.special import lambertw
 
 from flangeway.checks import are_finite, as_numbers, check_finite
@@ -130,7 +130,7 @@ class SlopeReduction(Record):
 
     initial: Fraction = 1.0
     """factor at small creepages (Spiryagin's k0)"""
-    remaining: float = Field(default=1.0, ge=0.0, le=1.0)
+    remaining: Annotated[float, at.Ge(0.0), at.Le(1.0)] = 1.0
     """part of it at large creepages (Spiryagin's alpha)"""
     rate: NotNegative = 0.0
     """how fast it falls with creepage (Spiryagin's beta)"""

@@ -19,12 +19,12 @@ rolling is what passages show: shakedown where increments vanish, ratchetting wh
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
+import annotated_types as at
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from pydantic import Field
 
 from flangeway.checks import check_integer
 from flangeway.exact import LineContact
@@ -63,7 +63,7 @@ class RollingSteel(Record):
     """yield strength in shear k; the yield strength / 1.732"""
     young_MPa: Positive = 210e3  # noqa: N815
     """Young's modulus"""
-    poisson: float = Field(default=0.3, ge=0.0, lt=0.5)
+    poisson: Annotated[float, at.Ge(0.0), at.Lt(0.5)] = 0.3
     """Poisson's ratio"""
     hardening_MPa: NotNegative = 0.0  # noqa: N815
     """back stress over plastic strain C; 0: perfectly plastic"""
@@ -105,13 +105,13 @@ class RollingLine(Record):
 
     load_factor: Positive
     """p0 / k"""
-    friction: float = Field(ge=-1.0, le=1.0)
+    friction: Annotated[float, at.Ge(-1.0), at.Le(1.0)]
     """traction over pressure; positive where it drives the surface towards +x, the direction of rolling"""
     steel: RollingSteel
     """material"""
-    cells: int = Field(default=12, ge=4, le=20)
+    cells: Annotated[int, at.Ge(4), at.Le(20)] = 12
     """cells over the half width along x; layers have the same thickness, but for `SKIN_THICKNESS`"""
-    depth: float = Field(default=1.25, gt=0.0, le=WINDOW_HALF_LENGTH / 2.0)
+    depth: Annotated[float, at.Gt(0.0), at.Le(WINDOW_HALF_LENGTH / 2.0)] = 1.25
     """depth of the layers over the half width"""
 
     @cached_property

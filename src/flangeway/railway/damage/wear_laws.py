@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, Protocol, runtime_checkable
+from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 
+import annotated_types as at
 import numpy as np
-from pydantic import Field
 from scipy.interpolate import make_interp_spline
 
 from flangeway.checks import as_numbers, check_finite, check_kind, refused
@@ -196,7 +196,7 @@ class ArchardLaw(_Law):
     """hardness of the softer body; HB 275 is 2700 MPa"""
     k: Fraction | None = None
     """wear coefficient without unit; steel has 1e-4 to 4e-2 (default: Jendel's map)"""
-    level: float = Field(default=0.5, ge=0.0, le=1.0)
+    level: Annotated[float, at.Ge(0.0), at.Le(1.0)] = 0.5
     """where in the ranges of the map k lies, 0 at their lower and 1 at their upper ends"""
 
     @property

@@ -4,9 +4,9 @@ import re
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
-from pydantic import Field
+import annotated_types as at
 from pydantic.json_schema import SkipJsonSchema
 
 from flangeway.errors import InputError
@@ -61,7 +61,7 @@ class WheelFile(ProfileFile):
 
     mirror: bool = False
     """whether the file contains a left-hand wheel, to be mirrored"""
-    tape_mm: float | None = Field(default=None, ge=40.0, le=110.0)
+    tape_mm: Annotated[float, at.Ge(40.0), at.Le(110.0)] | None = None
     """tape line from the flange's back (default: from the file, else measured, else 70)"""
     angle_deg: float | None = None
     """section of a .slcw file, around the axle"""

@@ -9,10 +9,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import annotated_types as at
 import numpy as np
-from pydantic import Field
 
 from flangeway.checks import check_finite
 from flangeway.contact.rolling.friction import FrictionCoefficient
@@ -156,7 +156,7 @@ class RigidRailSide(Record):
 
     rail: RailInput | None = None
     """rail (default: that of the track)"""
-    inclination: float | None = Field(default=None, ge=-0.2, le=0.2)
+    inclination: Annotated[float, at.Ge(-0.2), at.Le(0.2)] | None = None
     """inclination (default: that of the track)"""
 
 
@@ -185,7 +185,7 @@ class RigidTrack(Record):
     gauge_at: GaugeAt = "within-depth"
     """within-depth: closest points of the heads down to gauge_depth_mm; unworn: those of the unworn heads, so that worn
     rails stand where they stood new; narrowest: closest points at any depth"""
-    inclination: float = Field(default=1.0 / 40.0, ge=-0.2, le=0.2)
+    inclination: Annotated[float, at.Ge(-0.2), at.Le(0.2)] = 1.0 / 40.0
     """rail inclination, a slope; 1:40 is 0.025"""
     superelevation_base_mm: Positive | None = None
     """width over which superelevation is measured (default: the gauge and 65 mm, the running circles)"""
@@ -305,7 +305,7 @@ class WheelSide(Record):
 
     wheel: WheelInput | None = None
     """wheel (default: that of the wheelset)"""
-    radius_mm: float | None = Field(default=None, ge=150.0)
+    radius_mm: Annotated[float, at.Ge(150.0)] | None = None
     """radius (default: radius_mm of the wheelset, at a flange's tip that of the right wheel)"""
 
 
@@ -321,7 +321,7 @@ class RigidWheelPair(Record):
     back_to_back_mm: Positive | None = None
     """distance between the wheels' inner faces (default: by the gauge, 1360 for 1435, 1440 for 1520, 1515 for 1600,
     1593 for 1668)"""
-    radius_mm: float = Field(default=460.0, ge=150.0)
+    radius_mm: Annotated[float, at.Ge(150.0)] = 460.0
     """rolling radius, at the position radius_at"""
     radius_at: Literal["flange-tip", "tape-line"] = "tape-line"
     """where radii are measured"""

@@ -3,6 +3,7 @@
 # ruff: noqa: N815 (units in names)
 from typing import Annotated, Literal, TypeAlias
 
+import annotated_types as at
 import numpy as np
 from pydantic import Field, Strict, model_validator
 
@@ -30,7 +31,7 @@ class Seats(Record):
     reached at 0.5 to 2 mm (UIC Code 774-3).
     """
 
-    spacing_mm: float = Field(default=600.0, ge=PAD_MM)
+    spacing_mm: Annotated[float, at.Ge(PAD_MM)] = 600.0
     """distance of the sleepers"""
     vertical_kN_per_mm: Positive = 30.0
     """vertical stiffness of rail seat, sleeper and ballast"""
@@ -57,7 +58,7 @@ class Sleepers(Seats):
 
     kind: Literal["sleepers"] = "sleepers"
     """seats of sleepers"""
-    position: float = Field(default=0.0, ge=0.0, lt=1.0)
+    position: Annotated[float, at.Ge(0.0), at.Lt(1.0)] = 0.0
     """distance of the wheelset from the last sleeper relative to the spacing: 0 over it, 0.5 between two"""
     pad_length_mm: Positive = PAD_MM
     """length of a seat along the rail"""

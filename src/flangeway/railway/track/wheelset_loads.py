@@ -5,7 +5,8 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, WithJsonSchema
+import annotated_types as at
+from pydantic import AfterValidator, WithJsonSchema
 
 from flangeway.records import NotNegative, Positive, Record, refused_by_check
 
@@ -33,7 +34,7 @@ class Car(Record):
 
     mass_t: Positive
     """mass of the car"""
-    n_axles: int = Field(default=N_AXLES, ge=1)
+    n_axles: Annotated[int, at.Ge(1)] = N_AXLES
     """wheelsets that share it"""
 
 
@@ -84,7 +85,7 @@ class Load(Record):
         ("axle_load_kN", "car"), ("lateral_force_kN", "curve"), ("superelevation_mm", "curve"),
     )  # fmt: skip
 
-    axle_load_kN: float = Field(default=200.0, gt=0.0, le=1e5)
+    axle_load_kN: Annotated[float, at.Gt(0.0), at.Le(1e5)] = 200.0
     """axle load, weight on both rails"""
     car: Car | None = None
     """car whose mass its wheelsets share, instead of axle_load_kN"""
@@ -185,7 +186,7 @@ class Position(Record):
     """vertical position (default: computed); the force follows from it"""
     roll_rad: float | None = None
     """roll, counter-clockwise (default: computed)"""
-    yaw_mrad: float = Field(default=0.0, ge=-200.0, le=200.0)
+    yaw_mrad: Annotated[float, at.Ge(-200.0), at.Le(200.0)] = 0.0
     """yaw of the axle, positive where the right wheel is ahead"""
 
     @property

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Annotated, Any, Literal, TypeAlias
 
+import annotated_types as at
 from pydantic import Field, model_validator
 
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
@@ -68,7 +69,7 @@ class Mesh(Record):
     """fem is triangles, vem is polygons with virtual elements"""
     order: ElementOrder = 2
     """order of the elements: FO2 is fem of order 2"""
-    size_scale: float = Field(default=1.0, ge=0.05, le=20.0)
+    size_scale: Annotated[float, at.Ge(0.05), at.Le(20.0)] = 1.0
     """factor on all element sizes"""
     stabilisation: Literal["default", "trace"] = "default"
     """stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"""
@@ -93,7 +94,7 @@ class Spatial(Record):
 
     kind: Literal["spatial"] = "spatial"
     """three dimensions"""
-    patch_cells: int = Field(default=PATCH_CELLS, ge=10, le=60)
+    patch_cells: Annotated[int, at.Ge(10), at.Le(60)] = PATCH_CELLS
     """cells across each contact patch, and along it"""
 
 
