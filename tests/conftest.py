@@ -38,7 +38,6 @@ checked = settings(
     settings.get_profile("default"), deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.register_profile("default", checked, max_examples=50)
-settings.register_profile("commit", checked, max_examples=100)
 settings.register_profile("ci", checked, max_examples=1000)
 settings.register_profile("search", checked, max_examples=1000, derandomize=False)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
