@@ -685,7 +685,7 @@ def _input_error(
             text = f"{where(key)}{key_text(key)} = {short(error['input'] if given is None else given)}"
             if error["type"] == "missing":
                 text = f"{where(key[:-1])}no {key_text(key)}"
-            advice = "correct it" if isinstance(key[-1], int) else _advice(last, field, unit)
+            advice = "correct it" if isinstance(key[-1], int) else _advice(key_text(key), field, unit)
             faults[key] = text, f"{last} is {allowed(field, unit)}", advice
             if error["type"] in ("union_tag_invalid", "union_tag_not_found") and isinstance(given, Mapping):
                 text = f"{where((*key, TAG))}{key_text((*key, TAG))} = {short(given.get(TAG, ''))}"
