@@ -1,10 +1,11 @@
 """What all cases share: named inputs with ranges, checked before anything is computed; and a case on a finer mesh."""
 
+import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, ClassVar, TypeVar, cast
 
 import annotated_types as at
 
@@ -142,12 +143,22 @@ class RunnableCase(Case):
         """
 
 
+General = TypeVar("General", bound=RunnableCase)
+
+
 class PresetCase(RunnableCase):
-    """A case with a few inputs that stands for a general case."""
+    """A case with a few inputs that stands for a general case; a template in the folder ``presets`` is its file."""
 
     @abstractmethod
     def general(self) -> RunnableCase:
         """Return the same as a general case; an `InputError` if the inputs do not go together."""
+
+    def filled_in(self, kind: type[General]) -> General:
+        """Return the general case of a kind that the template says, filled in with the inputs."""
+        from flangeway.system.templates import templates  # noqa: PLC0415 (Jinja, which few cases need)
+
+        template = templates("flangeway.cases", markup=False).get_template(f"presets/{self.name}.toml")
+        return kind.from_values(toml_data(template.render(case=self, math=math), ""))
 
     def check(self) -> None:
         """See `RunnableCase.check`."""

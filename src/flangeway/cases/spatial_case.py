@@ -2,7 +2,6 @@
 
 # ruff: noqa: N815 (units in names)
 import time
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -354,41 +353,17 @@ class SpatialPreset(PresetCase):
 
     def general(self) -> SpatialCase:
         """See `PresetCase.general`."""
-        shared = self.model_dump(include={"young_MPa", "poisson", "method", "order"})
-        return SpatialCase.from_values({"force_kN": self.force_kN, "bodies": [body | shared for body in self.bodies()]})
-
-    @abstractmethod
-    def bodies(self) -> list[dict[str, Any]]:
-        """Return the bodies of the general case, without material and elements."""
+        return self.filled_in(SpatialCase)
 
 
-def _crowned(name: str, width: float, height: float, radius: float, *, up: bool) -> dict[str, Any]:
-    """A block whose top (or bottom, if it is not the lower body) at y = 0 is an arc of a crown radius."""
-    half, sign = width / 2.0, 1.0 if up else -1.0
+def _refuse_narrow_crown(radius: float, width: float) -> None:
+    """Refuse a crown whose radius is not more than half of the block's width."""
     if radius < 0.51 * width:
         raise InputError(
             f"a crown radius of {radius:g} mm on a width of {width:g} mm",
             "more than half the width",
             "make it larger",
         )
-    drop = sign * ((radius**2 - half**2) ** 0.5 - radius)
-    ends = [[half * sign, drop], [-half * sign, drop]]
-    path = [
-        {"from": ends[0]},
-        {"arc_to": ends[1], "through": [0.0, 0.0], "name": "running"},
-        {"line_to": [-half * sign, -sign * height], "name": "side"},
-        {"line_to": [half * sign, -sign * height], "name": "far"},
-        {"line_to": ends[0], "name": "other side"},
-    ]
-    return {"name": name, "outline": {"path": path}, "contact_edges": "running", "held_edges": "far"}
-
-
-def _flat(name: str, width: float, height: float, *, up: bool) -> dict[str, Any]:
-    """A block whose top (or bottom) is the line y = 0."""
-    middle = [0.0, -height / 2.0 if up else height / 2.0]
-    shape = {"width_mm": width, "height_mm": height, "centre_mm": middle}
-    running, far = ("top", "bottom") if up else ("bottom", "top")
-    return {"name": name, "rectangle": shape, "contact_edges": running, "held_edges": far}
 
 
 class CraneWheelCase(SpatialPreset):
@@ -411,12 +386,10 @@ class CraneWheelCase(SpatialPreset):
     yaw_deg: Annotated[float, at.Ge(-5.0), at.Le(5.0)] = 0.0
     """skew of the wheel"""
 
-    def bodies(self) -> list[dict[str, Any]]:
-        """See `SpatialPreset.bodies`."""
-        rail = _crowned("rail", self.tread_width_mm, self.rim_mm, self.crown_radius_mm, up=True)
-        wheel = _flat("wheel", self.tread_width_mm, self.rim_mm, up=False)
-        wheel |= {"axis_mm": [0.0, self.wheel_radius_mm], "yaw_deg": self.yaw_deg}
-        return [rail, wheel]
+    def general(self) -> SpatialCase:
+        """See `PresetCase.general`."""
+        _refuse_narrow_crown(self.crown_radius_mm, self.tread_width_mm)
+        return super().general()
 
 
 class RollerCase(SpatialPreset):
@@ -441,22 +414,16 @@ class RollerCase(SpatialPreset):
     ring_mm: Positive = 10.0
     """thickness of the ring"""
 
-    def bodies(self) -> list[dict[str, Any]]:
-        """See `SpatialPreset.bodies`.
-
-        The roller is modelled to its axis, where it is held.
-        """
+    def general(self) -> SpatialCase:
+        """See `PresetCase.general`."""
         if self.race == "outer" and self.race_radius_mm <= self.roller_radius_mm:
             raise InputError(
                 f"race_radius_mm = {self.race_radius_mm:g} of an outer race",
                 f"more than roller_radius_mm = {self.roller_radius_mm:g}",
                 "make the race larger",
             )
-        ring = _flat("race", self.roller_length_mm, self.ring_mm, up=True)
-        ring["axis_mm"] = [0.0, self.race_radius_mm if self.race == "outer" else -self.race_radius_mm]
-        roller = _crowned("roller", self.roller_length_mm, self.roller_radius_mm, self.crown_radius_mm, up=False)
-        roller["axis_mm"] = [0.0, self.roller_radius_mm]
-        return [ring, roller]
+        _refuse_narrow_crown(self.crown_radius_mm, self.roller_length_mm)
+        return super().general()
 
 
 class CrossedCylindersCase(SpatialPreset):
@@ -474,14 +441,3 @@ class CrossedCylindersCase(SpatialPreset):
     """radius of the upper cylinder"""
     angle_deg: Annotated[float, at.Ge(45.0), at.Le(90.0)] = 90.0
     """angle between both axes"""
-
-    def bodies(self) -> list[dict[str, Any]]:
-        """See `SpatialPreset.bodies`.
-
-        The lower half cylinder is held at its diameter, the upper cylinder at its axis.
-        """
-        lower, upper = self.lower_radius_mm, self.upper_radius_mm
-        below = {"radius_mm": lower, "centre_mm": [0.0, -lower], "half": "upper"}
-        cylinder = _flat("upper", 2.0 * lower, upper, up=False)
-        cylinder |= {"axis_mm": [0.0, upper], "yaw_deg": 90.0 - self.angle_deg}
-        return [{"name": "lower", "disc": below, "contact_edges": "rim", "held_edges": "cut"}, cylinder]

@@ -22,7 +22,7 @@ from flangeway.cases.bodies.bodies_run import (
     TwoBodiesCase,
 )
 from flangeway.cases.case import PresetCase
-from flangeway.contact.contact_records import ContactTable, Law, MultiplierLaw, Pairing
+from flangeway.contact.contact_records import Law, MultiplierLaw, Pairing
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -43,7 +43,6 @@ from flangeway.types import Floats, Progress
 
 
 METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
-CONTACT_KEYS = set(ContactTable.model_fields)  # keys of a preset that are those of its contact
 ZONE_OF_LENS = 0.85
 """Half width of the fine zone relative to that of the overlap of the rigid bodies; elastic contact takes about half."""
 ZONE_OF_HERTZ = 1.6  # the same relative to Hertz's half width, where the force is given
@@ -161,7 +160,9 @@ class HertzCase(PresetCase, BodiesCase):
 
     def theory(self, force_N: float) -> LineContact:
         """Hertz's solution for a force."""
-        bodies = (Elastic(self._of(name, "young_MPa"), self._of(name, "poisson")) for name in ("upper", "lower"))
+        bodies = (
+            Elastic(self.of_body(name, "young_MPa"), self.of_body(name, "poisson")) for name in ("upper", "lower")
+        )
         modulus = contact_modulus(*(body.plane_modulus for body in bodies))
         return LineContact(force_N / self.thickness_mm, self._curvature, modulus)
 
@@ -171,44 +172,14 @@ class HertzCase(PresetCase, BodiesCase):
         The contact must be neither too wide for the bodies nor too narrow for the elements' size.
         """
         self._refuse_unfit()
-        zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm
-        block, arc = self.lower == "block", {"arc_deg": self.fine_arc_deg}
-        upper = {"disc": {"radius_mm": radius, "centre_mm": (0.0, radius), "half": "lower", **arc}}
-        lower: dict[str, Any] = {"disc": {"radius_mm": below, "centre_mm": (0.0, -below), "half": "upper", **arc}}
-        if block:
-            lower = {"rectangle": {"width_mm": 4.0 * below, "height_mm": 2.0 * below, "centre_mm": (0.0, -below)}}
-        side = "rim" if self.fine_arc_deg is None else "arc"
-        motion = {"shift_mm": (0.0, -self.indentation_mm)} if self.force_N is None else {"push_N": (0.0, -self.force_N)}
-        wide = zone + 0.01 * self.size_mm
-        contact = {
-            "secondary": "upper",
-            "secondary_edges": side,
-            "secondary_box_mm": (-wide, -1.0, wide, radius),
-            "primary": "lower",
-            "primary_edges": "top" if block else side,
-            "primary_box_mm": (-wide, -below, wide, 1.0),
-            **self.model_dump(include=CONTACT_KEYS),
-        }
-        return TwoBodiesCase.from_values(
-            {
-                "thickness_mm": self.thickness_mm,
-                "bodies": [self._body("upper", upper, zone), self._body("lower", lower, zone)],
-                "supports": [
-                    {"body": "upper", "edges": "cut"},
-                    {"body": "lower", "edges": "bottom" if block else "cut"},
-                ],
-                "motions": [{"body": "upper", **motion}],
-                "contacts": [contact],
-                "steps": {"number": self.n_steps},
-            }
-        )
+        return self.filled_in(TwoBodiesCase)
 
     def _refuse_unfit(self) -> None:
         """Refuse a contact too wide for the bodies, or too narrow for the elements' size."""
         radius, below = self.radius_mm, self.lower_radius_mm
         if self.fine_arc_deg is not None:
             self._refuse_narrow(self.fine_arc_deg)
-        zone, size = self._zone(), min(self.size_mm, self._of("lower", "size_mm"))
+        zone, size = self.zone, min(self.size_mm, self.of_body("lower", "size_mm"))
         for key, value in (("radius_mm", radius), ("lower_radius_mm", below)):
             if value > MAX_RADIUS * size:
                 raise InputError(
@@ -235,36 +206,27 @@ class HertzCase(PresetCase, BodiesCase):
         if self.lower == "block":
             raise InputError("fine_arc_deg with lower = block", "two discs", "leave fine_arc_deg out")
         reach = min(self.radius_mm, self.lower_radius_mm) * math.sin(math.radians(arc_deg) / 2.0)
-        if self._zone() > reach:
+        if self.zone > reach:
             raise InputError(
                 f"fine_arc_deg = {arc_deg:g}, {reach:.3g} mm to either side, for a contact that may reach "
-                f"{self._zone():.3g} mm",
+                f"{self.zone:.3g} mm",
                 "a fine arc that holds the contact",
                 "make it larger, or the indentation, the force or size_mm smaller",
             )
 
-    def _body(self, name: str, shape: dict[str, Any], zone: float) -> dict[str, Any]:
-        radius, size = self._of(name, "radius_mm") * (-1.0 if name == "lower" else 1.0), self._of(name, "size_mm")
-        n = max(math.ceil(zone / (2.0 * size)), 1)
-        xs = [zone * i / n for i in range(-n, n + 1)]
+    def fine_points(self, name: str) -> list[tuple[float, float]]:
+        """Points of the contact surface of a body along which its mesh is finer: within `zone`, or on the fine arc."""
+        radius, size = self.of_body(name, "radius_mm"), self.of_body(name, "size_mm")
+        n = max(math.ceil(self.zone / (2.0 * size)), 1)
+        xs = [self.zone * i / n for i in range(-n, n + 1)]
         if self.fine_arc_deg is not None:
             angle = math.radians(self.fine_arc_deg) / 2.0
-            n = max(math.ceil(angle * abs(radius) / (2.0 * size)), MIN_PIECES)
-            xs = [abs(radius) * math.sin(angle * (2 * i / n - 1.0)) for i in range(n + 1)]
-        flat = "rectangle" in shape
-        heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in xs]
-        fine = {"at_mm": list(zip(xs, heights, strict=True)), "size_mm": size, "growth": self.growth}
-        return {
-            "name": name,
-            **shape,
-            **{key: self._of(name, key) for key in ("young_MPa", "poisson", "method", "order")},
-            "stabilisation": self.stabilisation,
-            "halved_side": "arc" if self.halved_edges else None,
-            "size_mm": max(self.body_size_mm, size),
-            "fine": [fine],
-        }
+            n = max(math.ceil(angle * radius / (2.0 * size)), MIN_PIECES)
+            xs = [radius * math.sin(angle * (2 * i / n - 1.0)) for i in range(n + 1)]
+        up = 1.0 if name == "upper" else -1.0 if self.lower == "disc" else 0.0
+        return [(x, up * (radius - math.sqrt(radius**2 - x**2))) for x in xs]
 
-    def _of(self, name: str, key: str) -> Any:
+    def of_body(self, name: str, key: str) -> Any:
         """Return an input of a body; that of the upper one where the lower one has none of its own."""
         lower = getattr(self, f"lower_{key}") if name == "lower" else None
         return getattr(self, key) if lower is None else lower
@@ -273,9 +235,10 @@ class HertzCase(PresetCase, BodiesCase):
     def _curvature(self) -> float:
         return 1.0 / self.radius_mm + (0.0 if self.lower == "block" else 1.0 / self.lower_radius_mm)
 
-    def _zone(self) -> float:
+    @property
+    def zone(self) -> float:
         """Half width of the zone where the bodies may touch."""
-        edges = ZONE_EDGES * max(self.size_mm, self._of("lower", "size_mm"))
+        edges = ZONE_EDGES * max(self.size_mm, self.of_body("lower", "size_mm"))
         if self.force_N is not None:
             return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + edges
         return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + edges
@@ -347,45 +310,7 @@ class ContactPatchCase(PresetCase, BodiesCase):
 
     def general(self) -> TwoBodiesCase:
         """See `PresetCase.general`."""
-        bodies: list[dict[str, Any]] = []
-        supports: list[dict[str, Any]] = []
-        for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):
-            bodies.append(
-                {
-                    "name": name,
-                    "rectangle": {
-                        "width_mm": self.width_mm,
-                        "height_mm": self.height_mm,
-                        "centre_mm": (0.5 * self.width_mm, 0.5 * sign * self.height_mm),
-                    },
-                    "young_MPa": self.young_MPa,
-                    "poisson": self.poisson,
-                    **{key: getattr(self, f"{name}_{key}") for key in ("method", "order", "size_mm")},
-                }
-            )
-            supports.append({"body": name, "edges": far, "hold": "y"})
-            supports.append({"body": name, "point_mm": (0.0, sign * self.height_mm), "hold": "x"})
-        contact = {
-            "secondary": "upper",
-            "secondary_edges": "bottom",
-            "primary": "lower",
-            "primary_edges": "top",
-            **self.model_dump(include=CONTACT_KEYS),
-        }
-        turn = math.radians(self.rotation_deg)
-        shift = (self.approach_mm * math.sin(turn), -self.approach_mm * math.cos(turn))
-        motions: list[dict[str, Any]] = [{"body": "upper", "shift_mm": shift, "rotation_deg": self.rotation_deg}]
-        if self.rotation_deg:
-            motions.append({"body": "lower", "rotation_deg": self.rotation_deg})
-        return TwoBodiesCase.from_values(
-            {
-                "thickness_mm": self.thickness_mm,
-                "bodies": bodies,
-                "supports": supports,
-                "motions": motions,
-                "contacts": [contact],
-            }
-        )
+        return self.filled_in(TwoBodiesCase)
 
 
 # --- Cook's membrane (Moherdaui 2021, 5.2.2): the case, its meshes, its solutions, and its adaptive refinement.
