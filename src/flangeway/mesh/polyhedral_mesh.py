@@ -185,14 +185,7 @@ class PolyhedralMesh(CellMesh):
             for cell in pairs[row].tolist():
                 if len(ring) > 2 and cell < len(points):
                     cells[cell].append(ring)
-        mesh = cls.from_cells(corners, cells)
-        centres = mesh.face_centres[mesh.boundary_faces]
-        near = {
-            f"{'xyz'[axis]}{sign}": np.abs(centres[:, axis] - side[axis]) <= reach
-            for side, sign in zip(sides, "-+", strict=True)
-            for axis in range(3)
-        }
-        return replace(mesh, face_sets={name: mesh.boundary_faces[rows] for name, rows in near.items()})
+        return cls.from_cells(corners, cells).with_box_sides(sides)
 
     def __repr__(self) -> str:
         sets = f"cell_sets={sorted(self.cell_sets)}, face_sets={sorted(self.face_sets)}"
@@ -251,15 +244,37 @@ class PolyhedralMesh(CellMesh):
             [[ring[0], *pair] for pair in pairwise(ring[1:])] if divide else [ring]
             for ring, divide in zip(rings, bent, strict=True)
         ]
+        return self.with_parts(self.points, parts)
+
+    def with_parts(self, points: ArrayLike, parts: Sequence[Sequence[Sequence[int]]]) -> "PolyhedralMesh":
+        """Return the mesh with each face replaced by one or more loops of points (n_points, 3); sets keep their names.
+
+        - `parts`: loops of each face, (n_faces,).
+        """
         sides = [parts[face] for face in self.side_faces.tolist()]
         cells = [[ring for side in sides[start:end] for ring in side] for start, end in pairwise(self.side_offsets)]
-        mesh = PolyhedralMesh.from_cells(self.points, cells, cell_sets=self.cell_sets)
-        numbers = {frozenset(mesh.loop(face).tolist()): face for face in range(mesh.n_faces)}
+        mesh = PolyhedralMesh.from_cells(points, cells, cell_sets=self.cell_sets)
+        numbers = mesh.face_numbers
         sets = {
             name: np.array([numbers[frozenset(ring)] for face in faces.tolist() for ring in parts[face]])
             for name, faces in self.face_sets.items()
         }
         return replace(mesh, face_sets=sets)
+
+    def with_box_sides(self, sides: Floats) -> "PolyhedralMesh":
+        """Return the mesh with the sides of its box as face sets, ``x-`` to ``z+``; the least and greatest x, y, z."""
+        centres, reach = self.face_centres[self.boundary_faces], MERGED * float(norms(sides[1] - sides[0]))
+        at = {
+            f"{'xyz'[axis]}{sign}": np.abs(centres[:, axis] - side[axis]) <= reach
+            for side, sign in zip(sides, "-+", strict=True)
+            for axis in range(3)
+        }
+        return replace(self, face_sets={name: self.boundary_faces[rows] for name, rows in at.items()})
+
+    @cached_property
+    def face_numbers(self) -> dict[frozenset[int], int]:
+        """Number of each face by its points."""
+        return {frozenset(self.loop(face).tolist()): face for face in range(self.n_faces)}
 
     @cached_property
     def boundary_faces(self) -> Ints:
