@@ -8,13 +8,14 @@ Everything may be rotated, the interface with it. An interface inclined to the l
 friction: the uniform state has a shear stress on it.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from flangeway.cases.bodies.presets import ContactPatchCase
+from flangeway.cases import TwoBodiesCase
 from flangeway.contact import ContactSolution
 from flangeway.materials import Elastic
 from flangeway.post import corner_stresses
@@ -68,35 +69,71 @@ class PatchTest:
     stress_error: float  # maximum deviation of a stress from the uniform state, over the expected pressure
 
 
+def boxes(
+    width_mm: float = WIDTH,
+    height_mm: float = HEIGHT,
+    approach_mm: float = APPROACH,
+    rotation_deg: float = 0.0,
+    *,
+    of_boxes: Mapping[str, Mapping[str, Any]],
+    contact: Mapping[str, Any],
+) -> TwoBodiesCase:
+    """Return two equal boxes that are pressed together and free to spread.
+
+    - `approach_mm`: of their far sides.
+    - `rotation_deg`: of everything, counter-clockwise.
+    - `of_boxes`: material, elements and mesh of the upper, secondary box and of the lower one.
+    - `contact`: pairing and enforcement.
+    """
+    bodies, supports = [], []
+    for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):
+        centre = (0.5 * width_mm, 0.5 * sign * height_mm)
+        shape = {"rectangle": {"width_mm": width_mm, "height_mm": height_mm, "centre_mm": centre}}
+        bodies.append({"name": name, **shape, **of_boxes[name]})
+        supports.append({"body": name, "edges": far, "hold": "y"})
+        supports.append({"body": name, "point_mm": (0.0, sign * height_mm), "hold": "x"})
+    turn = math.radians(rotation_deg)
+    shift = (approach_mm * math.sin(turn), -approach_mm * math.cos(turn))
+    motions: list[dict[str, Any]] = [{"body": "upper", "shift_mm": shift, "rotation_deg": rotation_deg}]
+    if rotation_deg:
+        motions.append({"body": "lower", "rotation_deg": rotation_deg})
+    sides = {"secondary": "upper", "secondary_edges": "bottom", "primary": "lower", "primary_edges": "top"}
+    return TwoBodiesCase.from_values(
+        {"bodies": bodies, "supports": supports, "motions": motions, "contacts": [{**sides, **contact}]}
+    )
+
+
 def patch_test(sides: tuple[str, str], level: int, keys: Mapping[str, Any], *, matching: bool = False) -> PatchTest:
     """Press one box on the other.
 
     - `sides`: keys of `ELEMENTS` of the upper, secondary, and of the lower box.
     - `level`: refinement, a key of `N_EDGES`.
-    - `keys`: further keys of the case.
+    - `keys`: pairing and enforcement of the contact, and ``rotation_deg`` of everything.
     - `matching`: whether both boxes have the same mesh, mirrored.
     """
     n_upper, n_lower = N_EDGES[level]
-    values: dict[str, Any] = {"width_mm": WIDTH, "height_mm": HEIGHT, "approach_mm": APPROACH, "young_MPa": STEEL.young}
+    of_boxes = {}
     for box, elements, n_edges in zip(
         ("upper", "lower"), sides, (n_upper, n_upper if matching else n_lower), strict=True
     ):
         method, order = ELEMENTS[elements]
         # slightly larger than an exact part of the width, so that round-off does not add an edge
         size = WIDTH / n_edges * (1.0 + 1e-6)
-        values |= {f"{box}_method": method, f"{box}_order": order, f"{box}_size_mm": size}
-    case = ContactPatchCase.from_values({**values, **keys})
-    run = case.run()
+        material = {"young_MPa": STEEL.young, "poisson": STEEL.poisson}
+        of_boxes[box] = {**material, "method": method, "order": order, "size_mm": size}
+    contact = {key: value for key, value in keys.items() if key != "rotation_deg"}
+    case = boxes(rotation_deg=keys.get("rotation_deg", 0.0), of_boxes=of_boxes, contact=contact)
+    run, table = case.run(), case.contacts[0]
     assert run.contact is not None
     compliance = 2.0 * HEIGHT / STEEL.plane_modulus
-    if case.enforcement.kind == "penalty" and case.pairing.kind != "node-to-segment":
+    if table.enforcement.kind == "penalty" and table.pairing.kind != "node-to-segment":
         compliance += 1.0 / PENALTY
     expected = APPROACH / compliance
     fields = [run.bodies[name].field for name in ("upper", "lower")]
     stresses = np.vstack([corner_stresses(field.problem, field.displacements).components[:, :3] for field in fields])
     vertical, pressures = stresses[:, 1], largest_patch(run.contact)[1].pressures / expected
-    contact = run.contact.system.contacts[0]
-    incomplete = len(pressures) < len(contact.pairing.key_nodes(contact.secondary))
+    pair = run.contact.system.contacts[0]
+    incomplete = len(pressures) < len(pair.pairing.key_nodes(pair.secondary))
     return PatchTest(
         run.contact,
         (vertical.min(), vertical.max()),

@@ -22,7 +22,6 @@ from flangeway.units import us_key
 COARSE = {
     "wheelset": {"size_scale": 8.0, "mesh.order": 1, "track.support": "fixed", "patch_cells": 10},
     "hertz": {"size_mm": 1.0, "indentation_mm": 1.0},
-    "contact-patch": {"upper_size_mm": 5.0},
     "cook": {"level": 1},
     "torsion": {"size": 20.0},
     "crane-wheel": {"order": 1},

@@ -245,7 +245,7 @@ def children(process):
 
 def working(folder, width):
     """Begin a check that meshes for a long time; return it when its other process works, with that one's number."""
-    process = started(folder, "check", "contact-patch", "--set", f"width_mm={width}")
+    process = started(folder, "check", "contact-patch", "--set", f"bodies.upper.rectangle.width_mm={width}")
     end = time.monotonic() + 300.0
     while not (begun := children(process)) and process.poll() is None and time.monotonic() < end:
         time.sleep(0.05)

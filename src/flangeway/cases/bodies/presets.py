@@ -1,4 +1,4 @@
-"""Published problems: Hertz's contact and the contact patch test, presets of the general case, and Cook's membrane."""
+"""Published problems: Hertz's contact, a preset of the general case, and Cook's membrane."""
 
 # ruff: noqa: N815 (units in names)
 import math
@@ -22,7 +22,7 @@ from flangeway.cases.bodies.bodies_run import (
     TwoBodiesCase,
 )
 from flangeway.cases.case import PresetCase
-from flangeway.contact.contact_records import Law, MultiplierLaw, Pairing
+from flangeway.contact.contact_records import Law, Pairing
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -39,7 +39,7 @@ from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats, Progress
 
-# --- Published problems as presets of the general case: Hertz's contact, and the contact patch test.
+# --- Hertz's contact as a preset of the general case.
 
 
 METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
@@ -252,65 +252,6 @@ class HertzCase(PresetCase, BodiesCase):
             Quantity("indentation", "indentation", lambda _: self.indentation_mm if pushed is None else pushed, "mm"),
             *(HERTZ if run.theory is not None and run.patches else ()),
         )
-
-
-class ContactPatchCase(PresetCase, BodiesCase):
-    """Two equal boxes pressed together, free to spread: the exact pressure is uniform (Moherdaui 2021, Figure 64)."""
-
-    name = "contact-patch"
-    title = "Contact patch test: two boxes with different meshes under a uniform pressure"
-    essential = ("approach_mm", "upper_size_mm", "lower_size_mm", "pairing")
-
-    width_mm: Positive = 20.0
-    """width of each box"""
-    height_mm: Positive = 10.0
-    """height of each box"""
-    approach_mm: Positive = 0.1
-    """approach of the far sides"""
-    thickness_mm: Positive = 1.0
-    """length out of the plane"""
-    young_MPa: Positive = 200e3
-    """Young's modulus"""
-    poisson: PoissonRatio = 1.0 / 3.0
-    """Poisson's ratio"""
-    upper_method: Literal["fem", "vem"] = "fem"
-    """elements of the upper, secondary box"""
-    lower_method: Literal["fem", "vem"] = "vem"
-    """elements of the lower, primary box"""
-    upper_order: ElementOrder = 1
-    """order of the upper box's elements"""
-    lower_order: ElementOrder = 1
-    """order of the lower box's elements"""
-    upper_size_mm: ElementSize = 2.3
-    """edge length of the upper box's triangles"""
-    lower_size_mm: ElementSize = 3.1
-    """edge length of the lower box's triangles"""
-    pairing: Pairing
-    enforcement: Law = Field(default_factory=lambda: MultiplierLaw(kind="multiplier"), discriminator="kind")
-    """constraint enforcement; of the pairings all but node-to-segment pass"""
-    rotation_deg: Annotated[float, at.Ge(-90.0), at.Le(90.0)] = 0.0
-    """rotation of everything, counter-clockwise"""
-
-    def quantities(self, run: BodiesRun) -> Sequence[Quantity[BodiesRun]]:
-        """Minimum and maximum pressure beside the exact one."""
-        exact = self.exact_pressure_MPa
-        pressures = np.concatenate([patch.pressures for patch in run.patches]) if run.patches else np.zeros(1)
-        difference = np.abs(pressures / exact - 1.0).max()
-        return (
-            Quantity("exact_pressure", "exact pressure", lambda _: exact, "MPa", ".6g"),
-            Quantity("min_pressure", "minimum pressure", lambda _: pressures.min(), "MPa", ".6g"),
-            Quantity("max_pressure", "maximum pressure", lambda _: pressures.max(), "MPa", ".6g"),
-            Quantity("maximum_difference", "maximum relative difference", lambda _: difference, form=".3g"),
-        )
-
-    @property
-    def exact_pressure_MPa(self) -> float:  # noqa: N802 (the unit megapascal)
-        """The uniform pressure, ``E / (1 - nu^2)`` times the approach over the height of both boxes."""
-        return self.young_MPa / (1.0 - self.poisson**2) * self.approach_mm / (2.0 * self.height_mm)
-
-    def general(self) -> TwoBodiesCase:
-        """See `PresetCase.general`."""
-        return self.filled_in(TwoBodiesCase)
 
 
 # --- Cook's membrane (Moherdaui 2021, 5.2.2): the case, its meshes, its solutions, and its adaptive refinement.
