@@ -39,7 +39,7 @@ KINDS: Kinds = {
         },
     ),
     "Bodies in the plane": (
-        "`hertz`, `two-bodies`, `cook` and the other cases of bodies; `results` depends on the case, here Hertz's with "
+        "`hertz`, `two-bodies` and the bundled files of it; `results` depends on the case, here Hertz's with "
         "`indentation_mm`",
         {
             "results": presets.HERTZ,

@@ -17,13 +17,6 @@ from numpy.typing import NDArray
 from scipy.spatial import Voronoi
 
 from benchmarks.measurement import NO_PEER, Measurement
-from flangeway.cases.bodies.presets import (
-    MIDDLE,
-    NEARLY_INCOMPRESSIBLE,
-    NEARLY_INCOMPRESSIBLE_WORK,
-    cook_triangles,
-    solve_cook,
-)
 from flangeway.contact import press
 from flangeway.contact.bodies_model import build_bodies
 from flangeway.elements import (
@@ -42,6 +35,13 @@ from flangeway.post import displacements_at
 from flangeway.problems import Body, BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.space import Space
+from flangeway_studies.cook import (
+    MIDDLE,
+    NEARLY_INCOMPRESSIBLE,
+    NEARLY_INCOMPRESSIBLE_WORK,
+    cook_triangles,
+    solve_cook,
+)
 from flangeway_studies.hertz import largest_patch, oscillation, published_case
 
 Floats = NDArray[np.float64]

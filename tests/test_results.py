@@ -67,7 +67,7 @@ def result(name):
             solve, mesh, lambda s: recovered_stresses(s).cell_errors, tolerance=1e-9, most_steps=3
         ),
         "recovered": lambda: recovered_stresses(solve(mesh)),
-        "bodies": lambda: load_case("cook", level=1).run(),
+        "bodies": lambda: load_case("cook").run(),
         "profile": lambda: run_profile("60E1"),
     }
     return made[name]()

@@ -85,7 +85,8 @@ def boxes(
     - `of_boxes`: material, elements and mesh of the upper, secondary box and of the lower one.
     - `contact`: pairing and enforcement.
     """
-    bodies, supports = [], []
+    bodies: list[dict[str, Any]] = []
+    supports: list[dict[str, Any]] = []
     for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):
         centre = (0.5 * width_mm, 0.5 * sign * height_mm)
         shape = {"rectangle": {"width_mm": width_mm, "height_mm": height_mm, "centre_mm": centre}}

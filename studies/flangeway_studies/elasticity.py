@@ -7,15 +7,6 @@ from itertools import product
 
 import numpy as np
 
-from flangeway.cases.bodies.presets import (
-    NEARLY_INCOMPRESSIBLE,
-    NEARLY_INCOMPRESSIBLE_WORK,
-    CookCode,
-    method_space,
-    published_virtual,
-    solve_cook,
-    vertical_displacements,
-)
 from flangeway.elements import Lagrange
 from flangeway.exact import PlateWithHole
 from flangeway.geometry import polygon
@@ -26,6 +17,15 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Tra
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.types import Floats
+from flangeway_studies.cook import (
+    NEARLY_INCOMPRESSIBLE,
+    NEARLY_INCOMPRESSIBLE_WORK,
+    CookCode,
+    method_space,
+    published_virtual,
+    solve_cook,
+    vertical_displacements,
+)
 from flangeway_studies.study import Limit, Row, Run, published_rows
 from flangeway_studies.thick_cylinder import ThickCylinder
 

@@ -7,7 +7,6 @@ import numpy as np
 import scipy.linalg
 from scipy.optimize import brentq
 
-from flangeway.cases.bodies.presets import of_unit_square
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.forms import (
     Field,
@@ -35,6 +34,7 @@ from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Tra
 from flangeway.solve import NonlinearSolution, StepSettings, solve_nonlinear
 from flangeway.space import Space
 from flangeway.types import Floats
+from flangeway_studies.cook import of_unit_square
 from flangeway_studies.study import Limit, Row, Run
 
 Function = Callable[[Floats], Floats]

@@ -213,7 +213,7 @@ def test_another_database_is_neither_used_nor_dropped(tmp_path):
             results(path)
         assert path.read_bytes() == before
     campaign = tmp_path / "c.toml"
-    campaign.write_text('case = "cook"\n[vary]\norder = [1]\n', encoding="utf-8")
+    campaign.write_text('case = "cook"\n[vary]\nbodies.membrane.order = [1]\n', encoding="utf-8")
     with CampaignDatabase(text, fresh=True) as store:
         store.begin(Campaign.from_file(campaign))
         assert store.waiting() == {1}

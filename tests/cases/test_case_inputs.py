@@ -93,23 +93,23 @@ def test_campaigns_are_strict(tmp_path):
     """Lists under [vary] and values under [inputs] are typed; cells of a table are text, read by their input's type."""
 
     def campaign(text):
-        (tmp_path / "c.toml").write_text('case = "cook"\n' + text, encoding="utf-8")
+        (tmp_path / "c.toml").write_text('case = "torsion"\n' + text, encoding="utf-8")
         return Campaign.from_file(tmp_path / "c.toml")
 
     for text in (
-        '[vary]\nlevel = ["1", "2"]\n',
+        '[vary]\norder = ["1", "2"]\n',
         "[vary]\npoisson = [true]\n",
-        '[inputs]\npoisson = "0.3"\n[vary]\nlevel = [1]\n',
-        "[inputs]\norder = true\n[vary]\nlevel = [1]\n",
+        '[inputs]\npoisson = "0.3"\n[vary]\norder = [1]\n',
+        "[inputs]\npoisson = true\n[vary]\norder = [1]\n",
         'table = "t.csv"\n[inputs]\npoisson = "0.3"\n',
     ):
-        (tmp_path / "t.csv").write_text("level,method\n1,fem\n2,vem\n", encoding="utf-8")
+        (tmp_path / "t.csv").write_text("order,method\n1,fem\n2,vem\n", encoding="utf-8")
         with pytest.raises(InputError):
             campaign(text)
     rows = campaign('table = "t.csv"\n').rows
-    assert [(row.case.level, row.case.method) for row in rows] == [(1, "fem"), (2, "vem")]
-    (tmp_path / "t.csv").write_text("level\ntrue\n", encoding="utf-8")
-    with pytest.raises(InputError, match="level = 'true'"):
+    assert [(row.case.order, row.case.method) for row in rows] == [(1, "fem"), (2, "vem")]
+    (tmp_path / "t.csv").write_text("order\ntrue\n", encoding="utf-8")
+    with pytest.raises(InputError, match="order = 'true'"):
         campaign('table = "t.csv"\n')
 
 

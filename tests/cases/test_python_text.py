@@ -122,9 +122,9 @@ def test_the_command_writes_a_script_of_a_case_and_of_a_file(call, tmp_path):
     script = (tmp_path / "wheelset-curve.py").read_text(encoding="utf-8")
     assert isinstance(ast.parse(script).body[-1], ast.Expr)
     assert made(script.replace("print(case.run())", "")) == load_case("wheelset-curve")
-    (tmp_path / "mine.toml").write_text('case = "cook"\n', encoding="utf-8")
+    (tmp_path / "mine.toml").write_text('case = "torsion"\n', encoding="utf-8")
     assert call("init", "mine.toml", "--python")[0] == 0
     done = subprocess.run([sys.executable, "mine.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "BodiesRun" in done.stdout
-    assert call("init", "cook", "--python", "--units", "us", "--to", "us.py")[0] == 2
+    assert "SectionRun" in done.stdout
+    assert call("init", "torsion", "--python", "--units", "us", "--to", "us.py")[0] == 2

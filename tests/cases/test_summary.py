@@ -123,7 +123,7 @@ def test_halving_the_sizes_changes_little(name, given, halved, key, change):
     [
         ("wheelset-tangent", {"size_scale": 0.06}, r"size_scale = 0\.03"),
         ("wheelset", {"patch_cells": 40}, "patch_cells = 80"),
-        ("cook", {}, "cook"),
+        ("torsion", {}, "torsion"),
     ],
 )
 def test_sizes_that_cannot_be_halved_are_refused(name, given, message):

@@ -150,7 +150,7 @@ def test_the_package_runs_as_a_module():
 
 def test_json_is_alone_on_stdout_and_quiet_is_short(call, tmp_path):
     """``--json`` prints the summary and nothing else; ``-q`` how it ended and the report; no pictures where asked."""
-    run = ("run", "cook", "--set", "level=1", "--no-pictures")
+    run = ("run", "cook", "--no-pictures")
     status, said, shown = call(*run, "--json")
     assert status == 0
     assert json.loads(said) == json.loads((tmp_path / "out" / "cook" / "summary.json").read_text(encoding="utf-8"))
@@ -160,7 +160,7 @@ def test_json_is_alone_on_stdout_and_quiet_is_short(call, tmp_path):
     status, said, shown = call(*run, "-q")
     assert (status, shown) == (0, "")
     first, *_, last = said.splitlines()
-    assert first.startswith("cook: ")
+    assert first.startswith("two-bodies: ")
     assert last == "Report: out/cook/report.html"
     assert len(said.splitlines()) <= 3
 
@@ -276,12 +276,13 @@ def test_help_of_sections_names_all_bundled_ones(call):
 
 def test_compare_shows_what_differs_between_two_runs(call, tmp_path):
     """The input that was changed and the results that follow it, each with its change; what is the same is left out."""
-    for name, level in (("one", 1), ("two", 2)):
-        assert call("run", "cook", "--set", f"level={level}", "--no-pictures", "-q", "--out", name)[0] == 0
+    for name, order in (("one", 1), ("two", 2)):
+        setting = f"bodies.membrane.order={order}"
+        assert call("run", "cook", "--set", setting, "--no-pictures", "-q", "--out", name)[0] == 0
     status, out, err = call("compare", "one", "two", "--no-pictures")
     assert status == 0, err
     found = json.loads((tmp_path / "out" / "compare" / "compare.json").read_text(encoding="utf-8"))
-    assert found["case.level"] == {"first": 1, "second": 2}
+    assert found["case.bodies[1].order"] == {"first": 1, "second": 2}
     summaries = [json.loads((tmp_path / name / "summary.json").read_text(encoding="utf-8")) for name in ("one", "two")]
     stress = "bodies[1].max_von_mises_MPa"
     values = [summary["bodies"][0]["max_von_mises_MPa"] for summary in summaries]
@@ -294,7 +295,7 @@ def test_compare_shows_what_differs_between_two_runs(call, tmp_path):
 
 def test_compare_refuses_what_is_no_run_or_another_kind(call, tmp_path):
     """Folders without a summary, and runs of different cases, are an error that says what to give."""
-    assert call("run", "cook", "--set", "level=1", "--no-pictures", "-q", "--out", "one")[0] == 0
+    assert call("run", "cook", "--no-pictures", "-q", "--out", "one")[0] == 0
     (tmp_path / "no").mkdir()
     assert call("compare", "one", "no")[0] == 2
     (tmp_path / "no" / "summary.json").write_text("[1]", encoding="utf-8")
@@ -302,4 +303,4 @@ def test_compare_refuses_what_is_no_run_or_another_kind(call, tmp_path):
     assert status == 2
     assert "without case and status" in err
     (tmp_path / "no" / "summary.json").write_text('{"case": {"name": "stack"}, "status": {}}', encoding="utf-8")
-    assert "a run of cook and one of stack" in call("compare", "one", "no")[2]
+    assert "a run of two-bodies and one of stack" in call("compare", "one", "no")[2]

@@ -11,7 +11,6 @@ import pytest
 
 from flangeway.campaign import Row
 from flangeway.campaign.campaign_run import RowTask, compute
-from flangeway.cases import find_case
 from flangeway.cases.case_file import read_case
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError, UnforeseenError
@@ -86,7 +85,7 @@ def test_a_real_limit_of_memory_is_told(tmp_path):
         "used = int(re.search(r'VmSize:\\s+(\\d+)', open('/proc/self/status').read())[1]) * 1024\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 40 * 2**20,) * 2)\n" + MAIN
     )
-    process = started(tmp_path, "run", "cook", "--order", "1", "--set", "level=6", code=code, FLANGEWAY_CACHE="off")
+    process = started(tmp_path, "run", "cook", "--set", "bodies.membrane.size_mm=0.2", code=code, FLANGEWAY_CACHE="off")
     out, err = process.communicate(timeout=300)
     assert process.returncode == 1, err
     assert "flangeway: out of memory" in err
@@ -188,7 +187,7 @@ def defect(*_, **__):
 def test_an_internal_error_is_one_sentence_with_the_place_to_report_it(call, monkeypatch, tmp_path):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
-        "flangeway.cases.bodies.presets.CookCase.run",
+        "flangeway.cases.bodies.bodies_run.TwoBodiesCase.run",
         "flangeway.cases.rigid_run.run_geometry",
         "flangeway.cases.section_run.run_section",
         "flangeway.cases.profile_run.run_profile",
@@ -221,8 +220,8 @@ def test_an_internal_error_is_one_sentence_with_the_place_to_report_it(call, mon
 
 def test_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
-    monkeypatch.setattr("flangeway.cases.bodies.presets.CookCase.run", defect)
-    case = find_case("cook").from_values({})
+    monkeypatch.setattr("flangeway.cases.bodies.bodies_run.TwoBodiesCase.run", defect)
+    case = read_case("cook")
     result = compute(RowTask(Row(1, {}, case))).result
     assert result.status == "failed"
     assert result.message.startswith("internal error, ZeroDivisionError (one over nothing) in ")

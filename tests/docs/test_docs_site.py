@@ -10,10 +10,10 @@ import pytest
 
 import flangeway
 from flangeway.cases import CASES, load_case
-from flangeway.cases.bodies.presets import NEARLY_INCOMPRESSIBLE_WORK, CookCode, solve_cook
 from flangeway.cases.case_file import FORMAT
 from flangeway.railway.profiles.profile_file import READABLE
 from flangeway.tables import write_table
+from flangeway_studies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, solve_cook
 from tests.tables.conftest import few_points, small
 
 ROOT = Path(__file__).parents[2]
@@ -247,7 +247,7 @@ def test_the_page_of_case_files_names_all_cases_and_the_format():
 def test_commands_on_case_files(call, tmp_path):
     """`schema` writes what it prints; `check` finds profiles beside a case file; all cases are listed."""
     assert call("init", "cook")[0] == 0
-    assert call("check", "cook.toml")[1].startswith("cook.toml: a case cook")
+    assert call("check", "cook.toml")[1].startswith("cook.toml: a case two-bodies")
     status, out, _ = call("schema")
     assert (status, out[0]) == (0, "{")
     assert call("schema", "--to", "s.json")[0] == 0

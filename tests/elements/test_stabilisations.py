@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flangeway.cases.bodies.presets import MIDDLE, cook_grid, solve_cook
 from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,
@@ -24,6 +23,7 @@ from flangeway.mesh import PolyMesh, rectangle_grid, voronoi
 from flangeway.post import displacements_at
 from flangeway.problems import Elasticity
 from flangeway.space import Space
+from flangeway_studies.cook import MIDDLE, cook_grid, solve_cook
 from flangeway_studies.hertz import largest_patch, published_case
 
 KINDS = [IdentityStabilisation(), DiagonalStabilisation(), SpectralStabilisation(), TraceStabilisation()]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as sla
 
-from flangeway.cases.bodies.presets import cook_grid, solve_cook
 from flangeway.elements import Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
@@ -12,6 +11,7 @@ from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.problems import Elasticity
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
+from flangeway_studies.cook import cook_grid, solve_cook
 from tests.given_displacement import bounded
 from tests.patch.test_elasticity_patch import polynomial
 from tests.rates.test_virtual_variants import stars

@@ -234,7 +234,7 @@ def test_the_schema_has_the_bundled_files_and_no_other_keys(name):
         assert [*VALIDATOR.iter_errors(changed(file, table, {**inner, "unknown": 1}))], key_text(table)
 
 
-@pytest.mark.parametrize("name", ["two-bodies", "hertz", "cook"])
+@pytest.mark.parametrize("name", ["two-bodies", "hertz"])
 def test_schemas_have_the_files_to_begin_with(name):
     """The schema of a case validates what `flangeway init` writes, in US units too."""
     validator = jsonschema.Draft202012Validator(schema(CASES[name]))

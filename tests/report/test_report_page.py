@@ -202,7 +202,7 @@ def test_a_failure_and_notices_are_marked(hertz):
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("cook", {"poisson": 0.1 + 0.2, "method": "mixed", "level": 2}),
+        ("crane-wheel", {"poisson": 0.1 + 0.2, "method": "vem", "yaw_deg": 1.0 / 3.0}),
         ("hertz", {"force_N": 1e5 / 3.0, "lower": "block"}),
         ("wheelset", {"size_scale": 0.1 + 0.2, "inclination": 1 / 30, "rail": "136RE-14", "support": "fixed"}),
         ("torsion", {"size": 1.0 / 3.0, "half": True, "poisson": 0.25}),

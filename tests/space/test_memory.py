@@ -196,7 +196,7 @@ def test_control_groups_limit(tmp_path, table, files, left):
 @pytest.mark.parametrize("place", ["before", "behind", "joined"])
 def test_the_option_limits_a_run(call, tmp_path, place):
     """With --memory a run that needs more ends with status 1, a sentence with both sizes, and no file."""
-    run, option = ["run", "cook", "--set", "level=4", "--out", "results"], ["--memory", "0.05"]
+    run, option = ["run", "cook", "--set", "bodies.membrane.size_mm=0.5", "--out", "results"], ["--memory", "0.05"]
     arguments = {"before": option + run, "behind": run + option, "joined": [*run, "--memory=0.05"]}[place]
     status, out, err = call(*arguments)
     assert status == 1

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.cases.bodies.presets import CookCode
+from flangeway_studies.cook import CookCode
 from flangeway_studies.elasticity import patch_space
 from flangeway_studies.patches import HALF, WHEEL_RADIUS, cut_surfaces, heights, published_gaps
 from flangeway_studies.registry import STUDIES

@@ -16,7 +16,7 @@ from typing import Any, get_origin
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.bodies.bodies_run import TwoBodiesCase
-from flangeway.cases.bodies.presets import CookCase, HertzCase
+from flangeway.cases.bodies.presets import HertzCase
 from flangeway.cases.case import OF_REPORT, RunnableCase
 from flangeway.cases.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section_run import TorsionCase
@@ -53,7 +53,7 @@ CASES: dict[str, type[RunnableCase]] = {
     case.name: case
     for case in (
         Wheelset,
-        *(HertzCase, CookCase, TorsionCase, TwoBodiesCase),
+        *(HertzCase, TorsionCase, TwoBodiesCase),
         *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase, RollingPatchCase),
     )
 }
