@@ -5,11 +5,11 @@ from gallery_drawing import draw
 from matplotlib.figure import Figure
 
 import flangeway as fw
-from flangeway.exact import PlateWithHole
 from flangeway.geometry import circle, square
 from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.post import corner_stresses
 from flangeway.problems import Elasticity, PrescribedDisplacement
+from flangeway_studies.hole import PlateWithHole
 
 
 def main() -> Figure:

@@ -8,7 +8,6 @@ from itertools import product
 import numpy as np
 
 from flangeway.elements import Lagrange
-from flangeway.exact import PlateWithHole
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
@@ -26,6 +25,7 @@ from flangeway_studies.cook import (
     solve_cook,
     vertical_displacements,
 )
+from flangeway_studies.hole import PlateWithHole
 from flangeway_studies.study import Limit, Row, Run, published_rows
 from flangeway_studies.thick_cylinder import ThickCylinder
 

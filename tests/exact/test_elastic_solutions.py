@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.elements import Lagrange, StabilisationFree
 from flangeway.errors import InputError
-from flangeway.exact import LineContact, PlateWithHole
+from flangeway.exact import LineContact
 from flangeway.exact.half_space import half_space_stresses
 from flangeway.exact.shakedown import shakedown_limits
 from flangeway.geometry import square
@@ -17,6 +17,7 @@ from flangeway.problems import Elasticity, Harmonic, PrescribedDisplacement, Pre
 from flangeway.solve import solve_elasticity, solve_harmonic
 from flangeway.space import Space
 from flangeway_studies.forms import half_plastic, mapped, rim_displacement, ring
+from flangeway_studies.hole import PlateWithHole
 from flangeway_studies.thick_cylinder import ThickCylinder
 
 

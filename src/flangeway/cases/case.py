@@ -11,10 +11,10 @@ import annotated_types as at
 
 from flangeway.cases.summary import RunResult, summary_numbers
 from flangeway.errors import InputError
-from flangeway.records import InputRow, Record, entries_of, with_settings
+from flangeway.records import Record, entries_of, with_settings
 from flangeway.system.file_content import toml_data
 from flangeway.types import Progress
-from flangeway.units import Units, same_quantity
+from flangeway.units import Units
 
 # --- What all cases share: named inputs with ranges, checked before anything is computed.
 
@@ -167,31 +167,6 @@ class PresetCase(RunnableCase):
     def run(self, progress: Progress = lambda _: None) -> Any:
         """See `RunnableCase.run`."""
         return replace(cast("Any", self.general().run(progress)), case=self)
-
-
-GROUPS = {
-    "thickness_mm": "Bodies and material",
-    "young_MPa": "Bodies and material",
-    **dict.fromkeys(("method", "upper_method", "size_mm", "cell_mm"), "Elements and mesh"),
-    "pairing": "Contact",
-    **dict.fromkeys(
-        ("force_kN", "radius_mm", "width_mm", "shaft_radius_mm", "bore_radius_mm"), "Load and dimensions of the bodies"
-    ),
-    "equilibria": "Equilibrium",
-    "longitudinal_creepage": "Motion and friction",
-    "curve": "Creep curve and cells",
-}
-"""Captions of the groups of inputs, by the key that begins the group."""
-
-
-def grouped(rows: list[InputRow]) -> dict[str, list[InputRow]]:
-    """Return the inputs of a table in their groups, by the caption."""
-    groups: dict[str, list[InputRow]] = {}
-    caption = ""
-    for row in rows:
-        caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)
-        groups.setdefault(caption, []).append(row)
-    return groups
 
 
 # --- A case on its mesh and on the mesh with half of its sizes: how much each number changes.

@@ -181,7 +181,6 @@ def cases(
         from rich.table import Column, Table  # noqa: PLC0415
 
         from flangeway.cases import CASES, find_case  # noqa: PLC0415
-        from flangeway.cases.case import grouped  # noqa: PLC0415
         from flangeway.cases.case_file import CASE_FILES, file_title  # noqa: PLC0415
         from flangeway.cases.rigid_run import GeometryCase  # noqa: PLC0415
 
@@ -202,13 +201,12 @@ def cases(
             console.print(f"{case}: {file_title(case)}; {note}", soft_wrap=True)
         console.print(f"{kind.name}: {kind.title}", style="bold")
         for path, rows in kind.tables_of_inputs(system):
-            for caption, members in {path: rows}.items() if path else grouped(rows).items():
-                console.print(f"\n{caption}" if caption else "", style="bold")
-                table = Table(Column(no_wrap=True), "", box=None, pad_edge=False, show_header=False)
-                for key, default, allow, meaning in members:
-                    given = "" if default == "none" else f" [default: {default}]" * (default != "needed")
-                    table.add_row(key, f"{meaning}; {allow}{given}", style="bold" if default == "needed" else None)
-                console.print(table)
+            console.print(f"\n{path}" if path else "", style="bold")
+            table = Table(Column(no_wrap=True), "", box=None, pad_edge=False, show_header=False)
+            for key, default, allow, meaning in rows:
+                given = "" if default == "none" else f" [default: {default}]" * (default != "needed")
+                table.add_row(key, f"{meaning}; {allow}{given}", style="bold" if default == "needed" else None)
+            console.print(table)
 
 
 @app.command()
