@@ -191,7 +191,7 @@ def report_page(record: Report, drawn: Drawn = (), timings_s: Mapping[str, float
         viewer=Markup(
             field_viewer(
                 record.scene().in_units(record.units),
-                "The figures show the most important fields." if drawn else "",
+                "The pictures above show the most important fields." if drawn else "",
             )
         )
         if record.scene
