@@ -114,7 +114,7 @@ def check_reading(path, key, found):
 def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     """Every field reads as in the VTU files and others look otherwise, without complaints and without network."""
     folder = folders(name)
-    opened = open_page(folder / "report.html")
+    opened = open_page(folder / "report.html", width=1152)
     assert opened.page.locator("#viewer").get_attribute("data-state") == "ready"
     box, first, seen = opened.canvas.bounding_box(), opened.shot(), set()
     keys = opened.fields()
@@ -122,7 +122,7 @@ def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     for number, key in enumerate(keys):
         opened.choose(key)
         for y in (0.2, 0.8) if name == "two-bodies" else (0.5,):
-            found = opened.point((0.487 + 0.002 * number) * box["width"], y * box["height"])
+            found = opened.point((0.49 + 0.002 * number) * box["width"], y * box["height"])
             check_reading(folder / FILES[name][found["part"]], key, found)
             seen.add((found["part"], key))
     assert seen == {(part, key) for part in FILES[name] for key in keys}
