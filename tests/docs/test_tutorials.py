@@ -30,6 +30,7 @@ FOLLOWED = (
     ("how-to/read-a-mesh.md", {"python": 4, "text": 3}, 0.05, []),
     ("how-to/refine-adaptively.md", {"python": 2, "text": 2}, 0.05, []),
     ("how-to/polyhedra.md", {"python": 1, "text": 1}, 1e-3, []),
+    ("how-to/contact-in-space.md", {"python": 1, "text": 1, "py": 1}, 1e-3, []),
     ("how-to/nearly-incompressible.md", {"python": 3, "text": 3}, 0.05, []),
     ("how-to/bring-your-profile.md", {"python": 2, "sh": 7, "text": 2, "toml": 1}, 0.02, []),
     ("how-to/write-a-case-file.md", {"toml": 5, "inp": 1, "sh": 7, "text": 4, "python": 2}, 0.01, ["flangeway: cyl"]),

@@ -28,8 +28,17 @@ from flangeway.contact.pairs import (
     Penalty,
 )
 from flangeway.contact.press import ContactSolution, LoadStep, NonlinearContact, press, press_nonlinear
+from flangeway.contact.press_spatial import SpatialForces, SpatialSolution, press_spatial
 from flangeway.contact.search import nearest_edges
 from flangeway.contact.segment_to_segment import SegmentToSegment
+from flangeway.contact.spatial_contact import (
+    FaceSurface,
+    RigidCylinder,
+    RigidPlane,
+    RigidSphere,
+    RigidSurface,
+    SpatialContact,
+)
 from flangeway.contact.surface import Surface
 from flangeway.contact.system import Contact, ContactLinearisation, ContactSystem
 
@@ -46,6 +55,7 @@ __all__ = [
     "ContactSystem",
     "ContactTable",
     "Enforcement",
+    "FaceSurface",
     "LoadStep",
     "MatchedPairing",
     "Multiplier",
@@ -60,15 +70,23 @@ __all__ = [
     "Penalty",
     "PenaltyLaw",
     "Push",
+    "RigidCylinder",
+    "RigidPlane",
+    "RigidSphere",
+    "RigidSurface",
     "SegmentPairing",
     "SegmentToSegment",
     "Shift",
+    "SpatialContact",
+    "SpatialForces",
+    "SpatialSolution",
     "StepsTable",
     "Surface",
     "nearest_edges",
     "node_edge_gaps",
     "press",
     "press_nonlinear",
+    "press_spatial",
     "shape_functions",
     "solve_contact",
 ]

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -142,6 +142,17 @@ class Pairing(ABC):
 # --- How the condition of no penetration is enforced; a new way is a subclass of `Enforcement`.
 
 
+class HasAreas(Protocol):
+    """What laws ask of constraints in the plane and in space: see `Constraints`."""
+
+    @property
+    def keys(self) -> Ints: ...  # noqa: D102
+    @property
+    def areas(self) -> Floats: ...  # noqa: D102
+    @property
+    def whole_areas(self) -> Floats: ...  # noqa: D102
+
+
 class Enforcement(ABC):
     """Relation of the force of a constraint to its penetration.
 
@@ -152,10 +163,10 @@ class Enforcement(ABC):
     """Whether the law stands for surfaces that do not penetrate, so that its penetration is an error."""
 
     @abstractmethod
-    def compliances(self, pairs: Pairs) -> Floats:
+    def compliances(self, pairs: HasAreas) -> Floats:
         """Derivative of the penetration by the force of each constraint, shape (m,); 0 where none is allowed."""
 
-    def offsets(self, pairs: Pairs) -> Floats:
+    def offsets(self, pairs: HasAreas) -> Floats:
         """Penetration at which the law's tangent has no force, shape (m,): 0 where the law is a line through zero.
 
         With the penetration d, the force F(d) and its derivative F', the compliance is ``1 / F'`` and this is
@@ -163,7 +174,7 @@ class Enforcement(ABC):
         """
         return np.zeros(len(pairs.keys))
 
-    def barriers(self, pairs: Pairs) -> Floats:
+    def barriers(self, pairs: HasAreas) -> Floats:
         """Force times gap w of each constraint, and the gap r from which there is no force, shape (m, 2).
 
         A force p acts at the gap ``w / (p + w / r)``, less its penetration. Zero and infinite: there is none.
@@ -251,7 +262,7 @@ class Penalty(_WithPenalty):
 
     """
 
-    def compliances(self, pairs: Pairs) -> Floats:
+    def compliances(self, pairs: HasAreas) -> Floats:
         """Penetration per force of each constraint, shape (m,)."""
         return self._compliances(pairs.areas)
 
@@ -276,7 +287,7 @@ class AugmentedLagrange(_WithPenalty):
         advice = "a thousandth of the expected approach is a usual choice"
         check_positive("AugmentedLagrange", "penetration", self.penetration, "a positive length", advice)
 
-    def compliances(self, pairs: Pairs) -> Floats:
+    def compliances(self, pairs: HasAreas) -> Floats:
         """Penetration per force about the last correction, shape (m,).
 
         Constraints that the primary faces in part are as stiff as whole ones, since the answer does not depend on it
@@ -293,7 +304,7 @@ class AugmentedLagrange(_WithPenalty):
 class Multiplier(Enforcement):
     """Forces as unknowns that leave no penetration (Lagrange multipliers with an active set)."""
 
-    def compliances(self, pairs: Pairs) -> Floats:
+    def compliances(self, pairs: HasAreas) -> Floats:
         """No penetration, shape (m,)."""
         return np.zeros(len(pairs.keys))
 
@@ -326,10 +337,10 @@ class Barrier(Enforcement):
         check_positive("Barrier", "value", self.value, "a positive force per length", advice)
         check_positive("Barrier", "reach", self.reach, "a positive length", "take the expected approach")
 
-    def compliances(self, pairs: Pairs) -> Floats:
+    def compliances(self, pairs: HasAreas) -> Floats:
         """No penetration, shape (m,)."""
         return np.zeros(len(pairs.keys))
 
-    def barriers(self, pairs: Pairs) -> Floats:
+    def barriers(self, pairs: HasAreas) -> Floats:
         """See `Enforcement.barriers`."""
         return np.column_stack((self.value * pairs.areas, np.full(len(pairs.keys), self.reach)))

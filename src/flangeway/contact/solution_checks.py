@@ -22,8 +22,9 @@ from flangeway.contact.surface import CORNER_ANGLE, Surface, sagittas_of
 from flangeway.contact.system import LARGE_OVERLAP, MAX_OVERLAP, ROUND_OFF, Contact, ContactSystem
 from flangeway.geometry import Placement
 from flangeway.geometry.arrays import chords_of, cross_product, max_magnitude, norms, point_text, turned_right
+from flangeway.mesh import PolyhedralMesh
 from flangeway.mesh.connectivity import edge_places
-from flangeway.problems import Body, Part
+from flangeway.problems import Body, Elasticity, Part
 from flangeway.solve import BodyResponse, Checks, Handle
 from flangeway.space.symmetric import EPS
 from flangeway.types import Bools, Floats, Ints
@@ -672,9 +673,38 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     # by the mean deformation gradient: the corner between nearly straight sides turns inside out under any strain
     inverted = np.linalg.det(np.eye(2) + gradients) <= 0.0
     centres = np.add.reduceat(before, starts) / counts[:, None]
+    return _linear_cells(part.name, centres, inverted, strains, turns, errors, warnings)
+
+
+def spatial_cells(
+    problem: Elasticity[PolyhedralMesh], field: Floats, errors: list[str], warnings: list[str]
+) -> tuple[int, float, float]:
+    """Number of inverted cells of a body in space, and maximum mean strain and rotation of a cell."""
+    mesh = problem.space.mesh
+    gradients = np.empty((mesh.n_cells, 3, 3))
+    for batch in problem.space.batches():
+        coefficients = problem.strains(batch, batch.reconstruct()).coefficients
+        gradients[batch.cells] = np.einsum("jme,mei->eij", coefficients[0], field.reshape(-1, 3)[batch.dofs])
+    inverted = np.linalg.det(np.eye(3) + gradients) <= 0.0
+    strains = np.abs(np.linalg.eigvalsh((gradients + gradients.swapaxes(1, 2)) / 2.0)).max(axis=1)
+    turns = np.linalg.norm(gradients - gradients.swapaxes(1, 2), axis=(1, 2)) / np.sqrt(8.0)
+    centres = np.add.reduceat(mesh.points[mesh.cell_points], mesh.cell_offsets[:-1]) / mesh.cell_sizes[:, None]
+    return _linear_cells(problem.name, centres, inverted, strains, turns, errors, warnings)
+
+
+def _linear_cells(
+    name: str,
+    centres: Floats,
+    inverted: Bools,
+    strains: Floats,
+    turns: Floats,
+    errors: list[str],
+    warnings: list[str],
+) -> tuple[int, float, float]:
+    """Add sentences about cells where bodies are not linear; the number of inverted ones, and the maxima."""
     if inverted.any():
         errors.append(
-            f"{inverted.sum()} cells of {part.name} are inverted, one at {point_text(centres[inverted.argmax()])}; "
+            f"{inverted.sum()} cells of {name} are inverted, one at {point_text(centres[inverted.argmax()])}; "
             "bodies are linear, for small strains: press less, or take a finer mesh there"
         )
     for values, limit, what in (
@@ -683,7 +713,7 @@ def _cells(part: Part, body: Body, field: Floats, errors: list[str], warnings: l
     ):
         cell = int(values.argmax())
         if values[cell] > limit:
-            words, wrong = what.format(part.name, values[cell]), values[cell] > MAX_LINEAR
+            words, wrong = what.format(name, values[cell]), values[cell] > MAX_LINEAR
             where = f"at {point_text(centres[cell])}, beyond {MAX_LINEAR if wrong else limit:g}"
             (errors if wrong else warnings).append(f"{words} {where}, where bodies are not linear")
     return int(inverted.sum()), float(strains.max()), float(turns.max())

@@ -288,7 +288,7 @@ def refuse_free_motions(problem: Elasticity[Any], constraints: SupportConstraint
     """
     pieces, n_pieces = _pieces(problem)
     centre = problem.space.mesh.points.mean(axis=0)
-    motions = _unheld(problem, constraints, pieces, n_pieces, centre)
+    motions = _unheld(problem, constraints, pieces, n_pieces, centre)[0]
     for piece in range(n_pieces):
         n = len(motions) // n_pieces
         described = described_motions(motions[n * piece : n * piece + n], centre, problem.size)
@@ -300,10 +300,17 @@ def refuse_free_motions(problem: Elasticity[Any], constraints: SupportConstraint
             )
 
 
+def unheld_velocities(problem: Elasticity[Any], constraints: SupportConstraints) -> Floats:
+    """Velocities of the nodes by rigid motions that nothing resists, shape (d n_nodes, n_free)."""
+    return _unheld(problem, constraints, *_pieces(problem), problem.space.mesh.points.mean(axis=0))[1]
+
+
 def _unheld(
     problem: Elasticity[Any], constraints: SupportConstraints, pieces: Ints, n_pieces: int, centre: Floats
-) -> Floats:
+) -> tuple[Floats, Floats]:
     """Rigid motions of the pieces that nothing resists, rotations times the size, shape (3 or 6 n_pieces, n_free).
+
+    And the velocities of the nodes by them, (d n_nodes, n_free).
 
     With the velocities M of the nodes by the motions c, ``(I - T T^+) M c`` is what supports forbid, of which T is the
     transform, and what springs resist is ``K M c`` with their stiffness; pieces that share a point move it alike.
@@ -332,7 +339,8 @@ def _unheld(
     if problem.axisymmetric:  # a body of revolution only moves along its axis
         conditions.append(np.eye(n_motions)[np.arange(n_motions) % 3 != 1])
     _, values, vectors = np.linalg.svd(np.linalg.qr(np.concatenate(conditions), mode="r"))
-    return vectors[values <= MIN_CONSTRAINED * max(values.max(), 1.0)].T
+    free = vectors[values <= MIN_CONSTRAINED * max(values.max(), 1.0)].T
+    return free, moved @ free
 
 
 def refuse_floating(body: LinearBody) -> None:

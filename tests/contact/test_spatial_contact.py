@@ -1,0 +1,218 @@
+"""Contact in space: Hertz's pressures, blocks whose meshes do not match, floating blocks, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from flangeway.contact import (
+    AugmentedLagrange,
+    FaceSurface,
+    Penalty,
+    RigidCylinder,
+    RigidPlane,
+    RigidSphere,
+    SpatialContact,
+    SpatialSolution,
+    press_spatial,
+)
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyhedralMesh, matched, octree, quadtree
+from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction, fixed
+from flangeway.space import Space
+from tests.polyhedra import tilted_blocks
+
+YOUNG, POISSON = 210000.0, 0.3
+STEEL = Elastic(YOUNG, POISSON)
+PLANE_MODULUS = YOUNG / (1.0 - POISSON**2)
+SIDES = ("left", "right", "bottom", "top")
+"""The face sets along z of the blocks."""
+
+
+def quarter_block(size: float, radius: float, n: int, reach: float) -> Elasticity[PolyhedralMesh]:
+    """A quarter of a block, clamped below, with n cells along a radius about the middle of its top, ``patch`` there."""
+    levels = int(np.ceil(np.log2(size * n / radius)))
+    smallest = size / 2**levels
+
+    def finer(centres, sides):
+        away = np.linalg.norm(centres - (0.0, 0.0, size), axis=1)
+        return sides > 1.001 * np.maximum(smallest, 0.5 * (away - 1.25 * radius))
+
+    mesh = octree((size, size, size), (1, 1, 1), finer=finer, levels=levels)
+    mesh = mesh.with_face_set("patch", lambda p: (p[:, 2] == size) & (np.hypot(p[:, 0], p[:, 1]) < reach))
+    supports = [PrescribedDisplacement("x-", x=0.0), PrescribedDisplacement("y-", y=0.0), fixed("z-", 3)]
+    return Elasticity(Space(mesh, Virtual(1)), STEEL, supports=supports, name="block")
+
+
+@pytest.mark.parametrize("radius", [0.5, 1.0, 2.0])
+def test_a_rigid_sphere_presses_as_hertz_says(radius):
+    """At three loads the maximum pressure is within 0.5 % and the radius of contact within 1 % of Hertz's."""
+    block, ball = quarter_block(20.0, radius, 8, 2.0 * radius), RigidSphere((0.0, 0.0, 70.0), 50.0)
+    force = 4.0 / 3.0 * PLANE_MODULUS * radius**3 / 50.0
+    solution = press_spatial([SpatialContact(FaceSurface(block, "patch"), ball)], {ball: (0.0, 0.0, -force / 4.0)})
+    assert solution.status.converged, solution.status.message
+    (contact,) = solution.contacts
+    assert contact.resultant[2] == pytest.approx(-force / 4.0, rel=1e-12)
+    assert contact.pressures.max() == pytest.approx(2.0 * PLANE_MODULUS * radius / np.pi / 50.0, rel=0.005)
+    assert contact.semi_axes((0.0, 0.0, 20.0)) == pytest.approx((radius, radius), rel=0.01)
+    assert contact.area == pytest.approx(np.pi * radius**2 / 4.0, rel=0.08)
+    assert contact.forces.min() == 0.0
+    checks = solution.status.checks
+    assert checks is not None
+    assert checks.gap_under_pressure < 1e-5
+
+
+def test_a_rigid_cylinder_presses_as_in_the_plane():
+    """In a slice between planes of symmetry the pressure of a cylinder is that of Hertz's line contact."""
+    radius, size = 1.0, 40.0
+
+    def finer(centres, sides):
+        away = np.linalg.norm(centres - (0.0, size), axis=1)
+        return sides > 1.001 * np.maximum(size / 512, 0.2 * (away - 1.25 * radius))
+
+    mesh = PolyhedralMesh.extruded(quadtree(size, size, 1, 1, finer=finer, levels=9), [0.0, 0.1])
+    mesh = mesh.with_face_set("patch", lambda p: (p[:, 1] == size) & (p[:, 0] < 2.0))
+    symmetric = [PrescribedDisplacement("left", x=0.0), *(PrescribedDisplacement(end, z=0.0) for end in ("z-", "z+"))]
+    block = Elasticity(Space(mesh, Virtual(1)), STEEL, supports=[*symmetric, fixed("bottom", 3)])
+    roller = RigidCylinder((0.0, size + 50.0, 0.0), 50.0, (0.0, 0.0, 2.0))
+    line_load = np.pi * PLANE_MODULUS * radius**2 / 4.0 / 50.0
+    solution = press_spatial(
+        [SpatialContact(FaceSurface(block, "patch"), roller)], {roller: (0.0, -0.05 * line_load, 0.0)}
+    )
+    assert solution.status.converged, solution.status.message
+    assert solution.contacts[0].pressures.max() == pytest.approx(2.0 * line_load / np.pi / radius, rel=0.005)
+
+
+def pressed_blocks(*, cut: bool, turn: Rotation) -> SpatialSolution:
+    """Two blocks with an inclined interface without friction, 100 MPa on all their other faces."""
+    blocks = tilted_blocks()
+    if cut:
+        blocks = matched(blocks[0], "z+", blocks[1], "z-")
+    lower, upper = (replace(mesh, points=turn.apply(mesh.points.copy())) for mesh in blocks)
+    shrunk = -100.0 * (1.0 - 2.0 * POISSON) / YOUNG
+    x, y, z = (lambda p, axis=axis: shrunk * p[:, axis] for axis in range(3))
+
+    def at(*corner: float) -> tuple[float, float, float]:
+        a, b, c = turn.apply(corner).tolist()
+        return a, b, c
+
+    held = [
+        PrescribedDisplacement(at(0.0, 0.0, 0.0), x, y, z=z),
+        PrescribedDisplacement(at(20.0, 0.0, 0.0), y=y, z=z),
+        PrescribedDisplacement(at(0.0, 20.0, 0.0), z=z),
+    ]
+    guided = [PrescribedDisplacement(at(0.0, 0.0, 40.0), x, y), PrescribedDisplacement(at(20.0, 0.0, 40.0), y=y)]
+    one, other = (
+        Elasticity(
+            Space(mesh, Virtual(1)),
+            STEEL,
+            loads=[Pressure(name, 100.0) for name in (*SIDES, end)],
+            supports=supports,
+            name=name,
+        )
+        for mesh, end, supports, name in ((lower, "z-", held, "lower"), (upper, "z+", guided, "upper"))
+    )
+    return press_spatial([SpatialContact(FaceSurface(other, "z-"), FaceSurface(one, "z+"))])
+
+
+TURNS = {"tilted": Rotation.identity(), "turned": Rotation.from_rotvec([0.2, 0.4, -0.3])}
+
+
+@pytest.mark.parametrize("turn", TURNS)
+def test_common_faces_pass_a_uniform_pressure(turn):
+    """Cut into common faces, blocks that do not match have the pressure 100 and the strain of the whole, to 1e-10."""
+    solution = pressed_blocks(cut=True, turn=TURNS[turn])
+    assert solution.status.converged, solution.status.message
+    (contact,) = solution.contacts
+    assert np.abs(contact.pressures - 100.0).max() < 1e-8
+    shrunk = -100.0 * (1.0 - 2.0 * POISSON) / YOUNG
+    for body, field in solution.displacements.items():
+        assert isinstance(body, Elasticity)
+        assert np.abs(field - shrunk * body.space.nodes).max() < 1e-10 * abs(shrunk) * 40.0
+    checks = solution.status.checks
+    assert checks is not None
+    assert max(checks.force_residual, checks.gap_under_pressure, checks.slide) < 1e-10
+
+
+def test_nodes_on_faces_miss_a_uniform_pressure():
+    """Without common faces pressures are off by a third: this is why they are cut."""
+    solution = pressed_blocks(cut=False, turn=TURNS["tilted"])
+    assert solution.status.converged
+    (contact,) = solution.contacts
+    assert 0.2 < np.abs(contact.pressures / 100.0 - 1.0).max() < 0.6
+    assert contact.resultant[2] == pytest.approx(40000.0, rel=1e-9)
+
+
+def cube(*loads: Traction | Pressure, held: bool = True) -> Elasticity[PolyhedralMesh]:
+    """A cube of 10 mm in 4 x 4 x 4 cells that only contact holds along z."""
+    mesh = octree((10.0, 10.0, 10.0), (4, 4, 4), finer=lambda _, sides: sides < 0.0, levels=0)
+    mesh = mesh.with_face_set("half", lambda p: (p[:, 2] == 10.0) & (p[:, 0] <= 5.0))
+    guided = [PrescribedDisplacement((0.0, 0.0, 0.0), 0.0, 0.0), PrescribedDisplacement((10.0, 0.0, 0.0), y=0.0)]
+    return Elasticity(Space(mesh, Virtual(1)), STEEL, loads=loads, supports=guided if held else [])
+
+
+GROUND = RigidPlane((0.0, 0.0, 0.0), (0.0, 0.0, 3.0))
+
+
+def test_contact_alone_holds_a_cube_and_lets_it_lift_off():
+    """A cube that nothing else holds along z rests on a plane; loaded near one side, the other one lifts off."""
+    even = press_spatial([SpatialContact(FaceSurface(cube(Traction("z+", (0.0, 0.0, -50.0))), "z-"), GROUND)])
+    assert even.status.converged, even.status.message
+    assert even.contacts[0].pressures == pytest.approx(np.full(25, 50.0), rel=1e-9)
+    leaning = cube(Traction("half", (0.0, 0.0, -50.0)), Traction("half", (1.0, 0.0, 0.0)), Traction("z-", (-0.5, 0, 0)))
+    uneven = press_spatial([SpatialContact(FaceSurface(leaning, "z-"), GROUND)])
+    assert uneven.status.converged, uneven.status.message
+    (contact,) = uneven.contacts
+    assert contact.resultant == pytest.approx([0.0, 0.0, 2500.0], abs=1e-8)
+    assert ((contact.forces == 0.0) == (contact.points[:, 0] == 10.0)).all()
+    # 2500 N at x = 2.5 and 50 N to the right at the height 10
+    assert contact.forces @ contact.points[:, 0] == pytest.approx(2500.0 * 2.5 + 50.0 * 10.0, rel=1e-8)
+
+
+def test_a_penalty_lets_the_plane_be_entered():
+    """With a penalty of 1e4 MPa/mm a pressure of 50 MPa goes 5 um deep."""
+    law = Penalty(1e4, per="length")
+    body = cube(Traction("z+", (0.0, 0.0, -50.0)))
+    solution = press_spatial([SpatialContact(FaceSurface(body, "z-"), GROUND, law)])
+    assert solution.status.converged, solution.status.message
+    bottom = solution.field(body).displacements[body.space.nodes_along("z-"), 2]
+    assert bottom == pytest.approx(np.full(25, -0.005), rel=1e-9)
+
+
+def test_what_is_not_in_equilibrium_is_no_solution():
+    """A cube pulled off its plane, and a sphere that enters the block outside of its patch, did not converge."""
+    pulled = press_spatial([SpatialContact(FaceSurface(cube(Traction("z+", (0.0, 0.0, 50.0))), "z-"), GROUND)])
+    assert not pulled.status.converged
+    assert "no solution" in pulled.status.message
+    block, ball = quarter_block(20.0, 1.0, 2, 0.6), RigidSphere((0.0, 0.0, 70.0), 50.0)
+    narrow = press_spatial([SpatialContact(FaceSurface(block, "patch"), ball)], {ball: (0.0, 0.0, -1500.0)})
+    assert not narrow.status.converged
+    assert "enters" in narrow.status.message
+
+
+def test_few_nodes_under_pressure_are_named():
+    """A message says that a contact of a few nodes needs smaller cells."""
+    block, ball = quarter_block(20.0, 1.0, 2, 2.0), RigidSphere((0.0, 0.0, 70.0), 50.0)
+    solution = press_spatial([SpatialContact(FaceSurface(block, "patch"), ball)], {ball: (0.0, 0.0, -500.0)})
+    assert solution.status.converged
+    assert "smaller cells" in solution.status.message
+    assert len(solution.table) == (solution.contacts[0].forces > 0.0).sum()
+
+
+def test_wrong_arguments_are_refused():
+    """No contact, a load on what has none, a law that is not for space, and a set of faces that is not there."""
+    body = cube()
+    surface, ball = FaceSurface(body, "z-"), RigidSphere((0.0, 0.0, -5.0), 5.0)
+    with pytest.raises(InputError, match="one or more"):
+        press_spatial([])
+    with pytest.raises(InputError, match="rigid surface of a contact"):
+        press_spatial([SpatialContact(surface, GROUND)], {ball: (0.0, 0.0, 1.0)})
+    with pytest.raises(InputError, match="AugmentedLagrange"):
+        SpatialContact(surface, GROUND, AugmentedLagrange(1e4, "length", 1e-3))
+    with pytest.raises(InputError, match="lid"):
+        FaceSurface(body, "lid")
+    with pytest.raises(InputError, match="radius"):
+        RigidSphere((0.0, 0.0, 0.0), -1.0)
