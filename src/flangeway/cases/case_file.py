@@ -8,8 +8,7 @@ import math
 import os
 import re
 import textwrap
-from collections.abc import Collection, Mapping, Sequence
-from keyword import iskeyword
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_origin
 
@@ -378,52 +377,35 @@ def write_python(case: Record) -> str:
     InputError
         If an input is an object of a script, which has no name.
     """
-    kinds: dict[str, set[str]] = {}
-    text = f"case = {_python(case, '', kinds)}\n"
+    from rich.pretty import pretty_repr  # noqa: PLC0415 (few commands write scripts)
+
+    names: dict[str, set[str]] = {}
+    for kind in _kinds_in(case):
+        names.setdefault(_home(kind), set()).add(kind.__name__)
     imports = list[str]()
-    for module, names in sorted(kinds.items()):
-        line = f"from {module} import {', '.join(sorted(names))}"
-        items = "".join(f"    {name},\n" for name in sorted(names))
+    for module, of_module in sorted(names.items()):
+        line = f"from {module} import {', '.join(sorted(of_module))}"
+        items = "".join(f"    {name},\n" for name in sorted(of_module))
         imports.append(line if len(line) <= WIDTH else f"from {module} import (\n{items})")
-    return "\n".join([*imports, "", text])
+    # a keyword of Python is no name of an argument
+    text = re.sub(r"\(from=(\([^()]*\))\)", r'(**{"from": \1})', pretty_repr(case, max_width=WIDTH))
+    return "\n".join([*imports, "", f"case = {text}\n"])
 
 
-def _python(value: Any, above: str, kinds: dict[str, set[str]]) -> str:
-    """Write a value as Python, over several lines where one is too long.
-
-    - `above`: spaces before the line in which it begins.
-    - `kinds`: names that are imported by module; those of the records are added.
-    """
-    entries, ends = list[tuple[str, Any]](), "()"
+def _kinds_in(value: Any) -> Iterator[type[Record]]:
+    """Yield the types of the records in a value; an `InputError` for what has no text in Python."""
+    inner: Iterable[Any] = value if isinstance(value, list | tuple) else ()
     if isinstance(value, Record):
-        kind, fields = type(value), type(value).model_fields
-        kinds.setdefault(_home(kind), set()).add(kind.__name__)
-        written = {key: getattr(value, key) for key in fields}
-        entries = [
-            (f'**{{"{key}": ' if iskeyword(key) else f"{key}=", entry)
-            for key, entry in written.items()
-            if fields[key].is_required() or entry != default_of(fields[key])
-        ]
-        ends = f"{kind.__name__}()"
+        yield type(value)
+        inner = [getattr(value, key) for key in value.changed]
     elif isinstance(value, Mapping):
-        entries, ends = [(f"{_python(key, above, kinds)}: ", entry) for key, entry in value.items()], "{}"
-    elif isinstance(value, list | tuple):
-        entries, ends = [("", entry) for entry in value], "[]" if isinstance(value, list) else "()"
-    elif isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    elif value is None or isinstance(value, bool | int | float):
-        return repr(value)
-    else:
+        inner = value.values()
+    elif not (inner or isinstance(value, str | bool | int | float | list | tuple | None)):
         raise InputError(
             f"{short(value)}, an object of a script", "names of profiles and of files", "name a file in its place"
         )
-    items = [f"{name}{_python(entry, f'{above}    ', kinds)}{'}' * name.startswith('**')}" for name, entry in entries]
-    comma = "," if ends == "()" and len(items) == 1 else ""  # a tuple of one
-    line = f"{ends[:-1]}{', '.join(items)}{comma}{ends[-1]}"
-    if "\n" not in line and len(above) + len(line) <= WIDTH:
-        return line
-    lines = "".join(f"{above}    {item},\n" for item in items)
-    return f"{ends[:-1]}\n{lines}{above}{ends[-1]}"
+    for item in inner:
+        yield from _kinds_in(item)
 
 
 def _home(kind: type[Record]) -> str:
