@@ -183,7 +183,7 @@ def report_page(record: Report, drawn: Drawn = (), timings_s: Mapping[str, float
     - `timings_s`: seconds of each stage; those of the record if left out.
     """
     times = record.timings_s if timings_s is None else timings_s
-    return _template().render(
+    return _template("page.html").render(
         record=record,
         drawn=drawn,
         tables=[*record.tables, *([timings_table(times)] if times else [])],
@@ -226,15 +226,7 @@ def _widths(table: SummaryTable) -> list[int]:
 
 def record_html(record: Report) -> str:
     """Return what the terminal shows of a record, as HTML for a notebook."""
-
-    def line(cells: Sequence[str], tag: str) -> str:
-        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
-
-    table = record.results
-    head = f"<p><b>{escape(record.verdict)}</b>, {escape(record.message)}<br>{escape(record.subtitle)}</p>"
-    warnings = "".join(f"<li>{escape(warning)}</li>" for warning in record.warnings)
-    body = "".join(line(row, "td") for row in table.rows)
-    return f"{head}<ul>{warnings}</ul><table><thead>{line(table.header, 'th')}</thead><tbody>{body}</tbody></table>"
+    return _template("record.html").render(record=record)
 
 
 def write_record(
@@ -285,13 +277,13 @@ def _in_units(row: Sequence[Any], units: Units) -> Sequence[Any]:
 
 
 @cache
-def _template() -> Template:
+def _template(name: str) -> Template:
     filters: dict[str, Any] = {"with_names": _with_names, "base64": _base64, "shown_width": _shown_width}
     filters["printed"] = printed_parts
     environment = templates("flangeway.report.page", markup=True, **filters)
     environment.tests["words"] = lambda text: not NUMBER_CELL.fullmatch(text)
     environment.tests["narrow"] = lambda table: sum(_widths(table)) <= HALF_LETTERS
-    return environment.get_template("page.html")
+    return environment.get_template(name)
 
 
 def _with_names(text: str) -> Markup:
