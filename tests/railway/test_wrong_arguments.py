@@ -54,7 +54,7 @@ WRONG = {
     "position='5'": lambda: ReadOptions(position="5"),
     "joined(measured=None)": lambda: joined(None, "60E1"),
     "on_plain_body(measured='S1002')": lambda: on_plain_body("S1002"),
-    "a section called None": lambda: bundled_section(None),
+    "section 'None'": lambda: bundled_section(None),
     "read_rolling_radius_difference(path=3)": lambda: read_rolling_radius_difference(3),
     "WornSurface(new='S1002')": lambda: WornSurface("S1002"),
     "WornSurface(spacing_mm=1e-06)": lambda: WornSurface(wheel("S1002"), spacing_mm=1e-6),

@@ -269,9 +269,15 @@ def _plain(name: str) -> str:
     return re.sub(r"[\s_-]", "", name).upper()
 
 
-def _advice(kind: str, name: str, known: Sequence[str]) -> str:
-    near = difflib.get_close_matches(name.upper(), known, n=1, cutoff=0.75)
-    return f"did you mean {near[0]}?" if near else f"give one of these, or the {kind}'s profile in a file"
+def _refuse_unknown(kind: str, name: str, known: Sequence[str], file: str = "of a profile") -> None:
+    """Refuse a name that is not among the known ones; `file` is what a file in its place is."""
+    if name not in known:
+        near = difflib.get_close_matches(name.upper(), known, n=1, cutoff=0.75)
+        raise InputError(
+            f"{kind} {name!r}",
+            f"one of {', '.join(known)}, or a file {file}",
+            f"did you mean {near[0]}?" if near else f"give one of these, or the {kind}'s profile in a file",
+        )
 
 
 def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
@@ -290,13 +296,8 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
         If the name or the radius is unknown; the message lists those there are.
     """
     name = bundled_name(name)
-    if name == REFERENCE_RAIL and crown_radius_in is None:
-        return _reference_rail()
-    if name not in _RAIL_FILES:
-        advice = _advice("rail", name, (*RAILS, REFERENCE_RAIL))
-        known = ", ".join((*RAILS, REFERENCE_RAIL))
-        raise InputError(f"rail '{name}'", f"one of {known}, or a file of a profile", advice)
-    radii = _RAIL_FILES[name]
+    _refuse_unknown("rail", name, (*RAILS, REFERENCE_RAIL))
+    radii = _RAIL_FILES.get(name, {None: ""})
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
         known = ", ".join(f"{radius:g}" for radius in sorted(radius for radius in radii if radius is not None))
@@ -305,6 +306,8 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
             f"one of {known}" if known else "no crown radius: this rail has one crown",
             "choose a radius that is there" if known else "leave it out",
         )
+    if name == REFERENCE_RAIL:
+        return _reference_rail()
     half = _read_segments(radii[radius])
     below_crown = list(half)[1:]
     side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
@@ -356,10 +359,8 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
         If the name is unknown.
     """
     name = bundled_name(name)
-    if name not in (IDENTIFIED, *WHEELS, *REFERENCE_WHEELS):
-        advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
-        known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
-        raise InputError(f"wheel '{name}'", f"one of {known}, or a file of a profile", advice)
+    if name != IDENTIFIED:
+        _refuse_unknown("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
     if name in REFERENCE_WHEELS:
         contour = reference_contour(name)
         return _wheel_below(contour, title=name, certainty=_REFERENCE_CERTAINTY, source=_REFERENCE_SOURCE)
@@ -498,9 +499,7 @@ def bundled_section(name: str) -> DrawnSection:
     An `InputError` if there is none of that name; the message lists those there are.
     """
     key = bundled_name(name)
-    if key not in SECTIONS:
-        known = f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf"
-        raise InputError(f"a section called {name!r}", known, _advice("section", key, [*SECTIONS]))
+    _refuse_unknown("section", key, [*SECTIONS], "that ends with .toml, .csv or .dxf")
     rail_name, radius = SECTIONS[key]
     profile = rail(rail_name, crown_radius_in=radius)
     return DrawnSection(profile.title, Section({"section": Region(profile.outline)}), "mm", certainty=profile.certainty)
