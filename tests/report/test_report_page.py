@@ -125,7 +125,7 @@ def test_files_hold_the_force_and_the_stresses(run, tmp_path):
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert f"{run.summary['patches'][0]['max_pressure_MPa']:.1f}" in page
     assert {file.name for file in files} == {
-        *("patch.png", "depth.png", "surface.vtu", "section-lower.vtu", "section-upper.vtu"),
+        *("patch.png", "depth.png", "cells.csv", "surface.vtu", "section-lower.vtu", "section-upper.vtu"),
         *("bodies.pvd", "report.html", "summary.json"),
     }
     surface = meshio.read(tmp_path / "surface.vtu")

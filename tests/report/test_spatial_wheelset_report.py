@@ -38,7 +38,7 @@ FILES = {
     *("wheelset.png", "patches.png", "stresses.png", "rails.png", "wheelset.pvd"),
     *("rolling.png", "shakedown.png"),
     *(f"{kind}{part}.vtu" for kind in ("", "section-", "stresses-") for part in PARTS),
-    *("patches.csv", "subsurface.csv", "rails.csv", "report.html", "summary.json"),
+    *("cells.csv", "patches.csv", "subsurface.csv", "rails.csv", "report.html", "summary.json"),
 }
 
 

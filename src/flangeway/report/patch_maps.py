@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.contact.patch.patch_contact import CellForces, SpatialPatch
-from flangeway.contact.patch.patch_grid import pairs_of
+from flangeway.contact.patch.patch_grid import PatchGrid, pairs_of
 from flangeway.contact.rolling.fast_theories import SimplifiedRolling
-from flangeway.contact.rolling.rolling_contact import NO_CONTACT, Rolling
+from flangeway.contact.rolling.rolling_contact import NO_CONTACT, STRIPS_BEYOND, Rolling
 from flangeway.geometry.arrays import framed
 from flangeway.mesh import PolyMesh
 from flangeway.report.viewer import ShownField
@@ -171,7 +171,8 @@ class ShownRolling:
 def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[str, Floats]:
     """Arrays on the cells (n_cells, n_strips[, 2]) by their names in files; vectors t, z are those of the second body.
 
-    Of a shift they are slip and work in the place of velocity and power.
+    Of a shift they are slip and work in the place of velocity and power. The exact theory has displacements: of the
+    second body less those of the first one.
     """
     rolls = forces.motion.rolls
     scale = speed_m_s / abs(forces.motion.speed) if rolls else 1.0
@@ -181,9 +182,34 @@ def cell_fields(forces: Rolling | SimplifiedRolling, speed_m_s: float) -> dict[s
         slip: scale * forces.slip_velocities,
         power: scale * forces.power_density,
     }
+    if isinstance(forces, Rolling):
+        fields["tangential_displacement_mm"] = forces.displacements[0][..., STRIPS_BEYOND:-STRIPS_BEYOND].swapaxes(1, 2)
     if forces.flash_temperatures is not None:
         fields["flash_temperature_K"] = forces.flash_temperatures
     return fields | {"stick_slip_state": forces.states.astype(np.float64)}
+
+
+def normal_fields(cells: CellForces, closing: Floats | float = 0.0) -> dict[str, Floats]:
+    """Arrays on the cells (n, n_z) along their normals: pressure, gaps, and displacement of the surfaces apart.
+
+    - `closing`: motion of the bodies towards each other that `cells.undeformed` leaves out.
+    """
+    undeformed = cells.undeformed - closing
+    fields = {"pressure_MPa": cells.pressures, "gap_mm": cells.gaps, "undeformed_gap_mm": undeformed}
+    return fields | {"normal_displacement_mm": cells.gaps - undeformed}
+
+
+def cell_columns(grid: PatchGrid, fields: Mapping[str, Floats], inside: Bools) -> dict[str, Floats]:
+    """Columns of some cells: areas, fields (n, n_z), and components of vectors (n, n_z, 2) to the right and ahead."""
+    chosen = {"area_mm2": np.broadcast_to(grid.areas, inside.shape)[inside]}
+    for name, values in fields.items():
+        if values.ndim == 2:
+            chosen[name] = values[inside]
+            continue
+        unit = next(unit for unit in ("_MPa", "_m_s", "_mm") if name.endswith(unit))
+        stem, vectors = name.removesuffix(unit), values[inside]
+        chosen |= {f"{stem}_{word}{unit}": vectors[:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
+    return chosen
 
 
 def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:

@@ -26,7 +26,7 @@ from flangeway.formats import write_vtu
 from flangeway.quantities import columns, present
 from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across
-from flangeway.report.patch_maps import at_corners, cell_fields, shown_fields, strip_mesh
+from flangeway.report.patch_maps import at_corners, cell_columns, cell_fields, shown_fields, strip_mesh
 from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
@@ -129,14 +129,7 @@ def _cells_table(run: RollingPatchRun) -> str:
         "right_mm": np.broadcast_to(s[:, None], loaded.shape)[loaded],
         "ahead_mm": np.broadcast_to(z, loaded.shape)[loaded],
     }
-    for name, values in _fields(run).items():
-        if values.ndim == 2:
-            cells[name] = values[loaded]
-            continue
-        quantity, unit = next(
-            (name.removesuffix(unit), unit) for unit in ("_MPa", "_m_s", "_mm") if name.endswith(unit)
-        )
-        cells |= {f"{quantity}_{word}{unit}": values[loaded][:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
+    cells |= cell_columns(run.contact.grid, _fields(run), loaded)
     return ResultTable(cells).in_units(run.case.units).csv(DIGITS)
 
 

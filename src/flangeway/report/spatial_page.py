@@ -25,12 +25,13 @@ from flangeway.report.page.record import (
     table_across,
     with_whole,
 )
-from flangeway.report.patch_maps import at_corners, strip_mesh
+from flangeway.report.patch_maps import at_corners, cell_columns, normal_fields, strip_mesh
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
-from flangeway.system.output_folder import Writer
+from flangeway.results import ResultTable
+from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Ints
 
-SURFACE = "surface.vtu"
+SURFACE, CELLS = "surface.vtu", "cells.csv"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
 PATCH_VIEW_WIDTH = 6.0
 """Width of the view of a patch relative to its longer semi-axis."""
@@ -51,6 +52,24 @@ def _write_surface(run: SpatialRun, path: Path) -> None:
     space = np.column_stack((np.repeat(ends, len(z), axis=0), np.tile(z, len(nodes))))
     values = {"pressure_MPa": contact.pressures, "gap_mm": contact.contact.gaps}
     write_vtu(path, strip_mesh(nodes, z), corner_data=at_corners(values), positions=space)
+
+
+def _cells_table(run: SpatialRun) -> str:
+    """Return all cells under pressure as CSV, a row for each, with their points on the first body."""
+    cells, inside = run.contact.cells, run.contact.loaded
+    row, strip = np.nonzero(inside)
+    stations, z = cells.grid.middles
+    x, y = cells.points[row].T
+    patches = sum(number * patch.inside for number, patch in enumerate(run.contact.patches, 1))
+    positions = {
+        "patch": np.asarray(patches)[inside],
+        "along_surface_mm": stations[row],
+        "x_mm": x,
+        "y_mm": y,
+        "z_mm": z[strip],
+    }
+    fields = normal_fields(cells, run.contact.contact.approach * cells.normals[:, 1:])
+    return ResultTable(positions | cell_columns(cells.grid, fields, inside)).in_units(run.case.units).csv(6)
 
 
 def _write_section(section: SectionStresses, stresses: SpatialStresses, body_id: int, path: Path) -> None:
@@ -80,7 +99,8 @@ def spatial_record(run: SpatialRun) -> Report:
     names = [body.name for body in run.bodies]
     return run_record(
         run,
-        "The same numbers, for programs, are in `summary.json`; `surface.vtu` has pressures and gaps, "
+        "The same numbers, for programs, are in `summary.json`; position, gap, pressure and displacement of each cell "
+        "in `cells.csv`; `surface.vtu` has pressures and gaps, "
         "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
         subtitle=f"{n} patch{'es' * (n > 1)} on {across} by {along} cells",
         facts=[
@@ -111,6 +131,7 @@ def _files(run: SpatialRun, corners: list[SpatialStresses]) -> dict[str, Writer]
         for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True))
     }
     writers[SURFACE] = lambda path: _write_surface(run, path)
+    writers[CELLS] = text_writer(_cells_table(run))
     return writers | {"bodies.pvd": collection(writers)}
 
 

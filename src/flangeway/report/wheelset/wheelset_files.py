@@ -14,7 +14,7 @@ from flangeway.railway.wheelset.spatial_result import SpatialResult
 from flangeway.railway.wheelset.supported_rail import RailAlongTrack
 from flangeway.railway.wheelset.wheel_patch import WheelPatch
 from flangeway.railway.wheelset.whole_sections import WholeSection
-from flangeway.report.patch_maps import PatchMap, at_corners, cell_fields, strip_mesh
+from flangeway.report.patch_maps import PatchMap, at_corners, cell_columns, cell_fields, normal_fields, strip_mesh
 from flangeway.results import ResultTable
 from flangeway.types import Bools, Floats
 
@@ -144,6 +144,32 @@ def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, 
                 whole = np.einsum("nma,nax->nmx", whole, axes)
             total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
     return total
+
+
+def cells_table(run: SpatialWheelsetRun) -> str:
+    """Return all cells under pressure as CSV, a row for each, with the tractions on the wheel and its slip.
+
+    Points are those of the deflected rail in the track's axes; ``along_surface`` is the length from the middle of the
+    rail's profile to the right. Components of vectors are along the surface to the right, and ahead.
+    """
+    rows: list[dict[str, object]] = []
+    for patch in run.result.patches:
+        state, sign, shown = patch.state, SIDE_SIGN[patch.side], patch_map(run.result, patch.side)
+        tangents = state.normals[:, ::-1] * (1.0, -sign)
+        fields = normal_fields(state.cells)
+        for name, values in friction_fields(run.result, patch.side, "wheel").items():
+            if values.ndim > 2:
+                across = np.einsum("nmx,nx->nm", values[..., :2], tangents)
+                values = np.stack((across, values[..., 2]), axis=2)  # noqa: PLW2901 (in the plane of contact)
+            fields[name] = values
+        row, strip = np.nonzero(patch.inside)
+        stations, z = state.grid.grid.middles
+        x, y = (state.points * (sign, 1.0))[row].T
+        positions = {"along_surface_mm": shown.across(stations[row]), "x_mm": x, "y_mm": y, "z_mm": z[strip]}
+        of_patch = ResultTable(positions | cell_columns(state.grid.grid, fields, patch.inside))
+        where = {"side": patch.side, "region": patch.region}
+        rows += [where | dict(zip(of_patch.columns, cell, strict=True)) for cell in of_patch.rows()]
+    return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)
 
 
 def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats, Bools]:

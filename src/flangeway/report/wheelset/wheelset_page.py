@@ -53,6 +53,7 @@ from flangeway.report.wheelset.wheelset_files import (
     DIGITS,
     PARTS,
     below_table,
+    cells_table,
     foot_stresses,
     friction_fields,
     write_section,
@@ -234,11 +235,13 @@ GIVEN = (
 """Inputs that the first page has in any case; a plane wheelset has the first of them."""
 SHOWN = ("yaw", "t_gamma", "power")
 """Numbers of the rolling at the top of the page."""
-COLLECTION, PATCHES, BELOW, RAILS, CONTACT = "wheelset.pvd", "patches.csv", "subsurface.csv", "rails.csv", "contact.vtu"
+COLLECTION, PATCHES, CELLS, BELOW = "wheelset.pvd", "patches.csv", "cells.csv", "subsurface.csv"
+RAILS, CONTACT = "rails.csv", "contact.vtu"
 PLANE_PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
-    "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
+    "position, gap, pressure, displacement, tractions and slip of each cell of the patches in `cells.csv`; the "
+    "stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
     "and gaps on the running surfaces, and stresses in the volumes below the patches, in `wheelset.pvd`, which "
     "ParaView opens with both rails and wheels; with `--whole-sections` also displacements and stresses of whole "
     "sections through the patches."
@@ -455,6 +458,8 @@ def _files(run: SpatialWheelsetRun, sections: Mapping[Role, Mapping[Side, WholeS
             writers[f"stresses-{name}"] = partial(write_stresses, run.result, side, role)
     writers[COLLECTION] = collection([*writers])
     writers[BELOW] = text_writer(below_table(run))
+    if run.result.patches:
+        writers[CELLS] = text_writer(cells_table(run))
     return writers
 
 
