@@ -2,7 +2,8 @@
 
 ``python -m benchmarks.live_memory [POSITIONS] [INPUT=VALUE...]`` starts ``flangeway live`` and asks for so many lateral
 positions (1,000 if left out), each with the rigid contact of a yaw angle of its own. It prints the megabytes of the
-server after 1, 2, 5, 10, ... positions, and ends with status 1 if they grow by more than a tenth after the first tenth.
+server after 1, 2, 5, 10, 20, 50, 100, 200, ... positions, and ends with status 1 if they grow by more than a tenth
+after the first tenth.
 """
 
 import contextlib
@@ -37,7 +38,7 @@ def main(count: int, settings: dict[str, str]) -> int:
             _ask(f"{address}geometry", inputs | {"position.yaw_mrad": f"{yaw:.3f}"})
             failed += not _ask(f"{address}position", inputs)["converged"]
             memory[number] = _resident_mb(server.pid)
-            if str(number).strip("0") in "125" or number == count:
+            if number in {1, 2, 5, 10, 20, 50, count} or number % 100 == 0:
                 print(f"{number} positions: {memory[number]:.0f} MB, {failed} not converged", flush=True)
     finally:
         server.terminate()

@@ -104,6 +104,23 @@ def test_a_temperature_bends_a_beam_on_a_stop() -> None:
     assert solution.forces[0, 1] == pytest.approx((curvature * LENGTH**2 / 2.0 - GAP) * STIFFNESS, rel=0.03)
 
 
+@pytest.mark.parametrize("n", [1, 5])
+@pytest.mark.parametrize("friction", [0.05, 0.2, 0.5])
+def test_a_hot_bar_presses_on_a_wall_with_friction(friction: float, n: int) -> None:
+    """Its expansion less the gap to the wall is its shortening F L / E h; it hardly resists a push across.
+
+    The wall, 0.3 mm thick, shortens by less than a part in 300 of that.
+    """
+    height, wall = 6.0, rectangle("wall", (LENGTH + GAP, -10.0), (0.3, 20.0), 0.3, "right", order=1)
+    mesh = rectangle_grid(LENGTH, height, 25, 4, origin=(0.0, -height / 2.0))
+    bar = Part("bar", Body("bar", mesh, Lagrange(2), STEEL, {"left": "x", (0.0, -height / 2.0): "y"}))
+    surfaces = Surface(bar, mesh.edge_sets["right"]), Surface(wall, wall.body.mesh.edge_sets["left"])
+    contact = Contact(*surfaces, *PAIRINGS["segments"], friction)
+    solution = loaded(contact, [TemperatureChange(400.0)], n)
+    force = (EXPANSION * 400.0 * LENGTH - GAP) * YOUNG * height / LENGTH
+    assert solution.forces[0, 0] == pytest.approx(-force, rel=0.005)
+
+
 def test_a_displaced_root_presses_the_tip_on_a_stop() -> None:
     """The held end is displaced by 8 mm, beyond a stop 2 mm thick: the tip is bent by all but the gap."""
     stop = rectangle("stop", (99.0, -GAP - 2.0), (4.0, 2.0), 1.0, "bottom", order=1)

@@ -204,14 +204,15 @@ def _answer(
     matrix, offset, rigid, held = equations.matrix, equations.offset, equations.rigid, state.held
     if not problem.parts.n:
         laws = Laws(*laws_of, matrix.diagonal())
-        return solve(laws, DenseEquations(matrix, offset, laws, rigid), guess), held
+        return DenseEquations(matrix, offset, laws, rigid).answer(guess), held
     last: Answer | None = None
     stiff = sprung = rigid.sprung(matrix.diagonal(), SPRING if bend else STIFF_SPRING)
     for softness in SOFTNESSES:
         if last is not None:
             sprung = rigid.softly_sprung(stiff, last.forces, softness, RELAXATION**state.sliding)
         laws = Laws(*laws_of, matrix.diagonal() + sprung.compliances())
-        answer = solve(laws, DenseEquations(matrix, offset, laws, sprung), guess)
+        dense = DenseEquations(matrix, offset, laws, sprung)
+        answer = dense.answer(guess) if last is None else solve(laws, dense, guess)
         if answer is None and last is None:
             return None, held
         if answer is None:

@@ -186,7 +186,7 @@ def run_of(used: ArrayLike) -> slice:
     return slice(int(at[0]), int(at[-1]) + 1)
 
 
-def quotients(numerators: Floats, denominators: Floats) -> Floats:
+def quotients(numerators: Floats | float, denominators: Floats) -> Floats:
     """Return numerators over denominators (...), 0 where the latter are not positive."""
     zeros = np.zeros(np.broadcast_shapes(np.shape(numerators), denominators.shape))
     return np.divide(numerators, denominators, out=zeros, where=denominators > 0.0)

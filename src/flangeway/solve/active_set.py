@@ -27,8 +27,6 @@ from flangeway.types import Bools, Floats, Ints
 MIN_ROUNDS = 60
 """Linear equations of Newton's method after which it goes on only while each is better: the ends of a zone that sticks
 come nearer by a node a round."""
-MEMORY, MAX_HALVINGS = 4, 10
-"""Steps whose maximum error the next one has to fall below, and how often a step is halved until it does."""
 ROUND_OFF = 1e-12
 """Error of the laws' equations, relative to the maximum force, that is round-off."""
 BARRIER_CHANGE = 1e-8
@@ -54,6 +52,13 @@ UNHELD_FORCE = 1e-5
 """Force that springs against the motions of a step hold, or that equations leave, relative to the forces along the
 motions, above which nothing else holds it."""
 
+MAX_PIECES = 400
+"""Pieces of a path of solutions that is followed: two or three for each constraint that closes."""
+GOLDEN_SECTION = 0.6180339887
+"""Fraction of one whose multiples, less whole numbers, are all different."""
+SIGNS = np.array([[1], [-1]])
+"""Of forces at the limit of friction, in the order of the margins."""
+
 
 class Answer(NamedTuple):
     """Forces p, then q, and gaps, then slips, each (m,) or (2 m,), and motions (n,)."""
@@ -76,8 +81,9 @@ class Guess(NamedTuple):
     def same_as(self, other: "Guess", laws: "Laws") -> bool:
         """Whether another guess has the same equations, but for changes of a barrier whose square is round-off."""
         same = np.array_equal(self.active, other.active) and np.array_equal(self.signs, other.signs)
-        change = np.abs(self.normal - other.normal)[self.active] if laws.barred and same else np.zeros(1)
-        return same and bool((change <= BARRIER_CHANGE * self.normal[self.active]).all() if laws.barred else True)
+        if not (same and laws.barred):
+            return same
+        return bool((np.abs(self.normal - other.normal) <= BARRIER_CHANGE * self.normal)[self.active].all())
 
     def rows(self, coefficients: Floats) -> tuple[Ints, Floats]:
         """Unknown ones of (p, q): all that are closed, then those that stick; and q over p of what slips, (m,)."""
@@ -192,7 +198,7 @@ class Laws:
     def __init__(self, coefficients: Floats, barriers: Floats, compliances: Floats) -> None:
         sizes, most = np.abs(compliances), max_magnitude(compliances)
         # negative ones are of bodies that pressure makes unstable where surfaces are apart
-        self.stiffness = np.where(sizes > 0.0, 1.0 / np.where(sizes > 0.0, sizes, 1.0), 1.0 / (most or 1.0))
+        self.stiffness = np.where(sizes > 0.0, quotients(1.0, sizes), 1.0 / (most or 1.0))
         self.m, self.barriers = len(coefficients), barriers
         self.friction = len(sizes) > self.m
         movable = sizes[self.m :] > ROUND_OFF * most if self.friction else np.zeros(self.m, dtype=np.bool_)
@@ -208,10 +214,6 @@ class Laws:
         limits = self.coefficients * normal
         return np.concatenate((normal, np.clip(trial[self.m :], -limits, limits)))
 
-    def error(self, answer: Answer) -> float:
-        """Error of the laws' equations by its energy."""
-        return float(np.linalg.norm((answer.forces - self.projected(answer)) / np.sqrt(self.stiffness)))
-
     def guess(self, answer: Answer) -> Guess:
         """What is closed, and the sign of the tangential force where it is at its limit, by the laws' equations."""
         trial = self._trial(answer)
@@ -223,6 +225,17 @@ class Laws:
             signs = np.where(at_limit, np.sign(trial[self.m :]), 0.0).astype(np.int64)
             signs[self.coefficients == 0.0] = 1
         return Guess(trial[: self.m] > 0.0, signs, normal)
+
+    def margins(self, guess: Guess, answer: Answer) -> Floats:
+        """What is left until the laws of a guess with friction end, negative beyond: shape (3, m).
+
+        Normal forces or gaps; then what a force of either sign has to its limit, or a slip to rest.
+        """
+        (normal, tangential), (gaps, slips) = (values.reshape(2, self.m) for values in (answer.forces, answer.slacks))
+        to_limits, to_rest = self.coefficients * normal - SIGNS * tangential, -SIGNS * slips
+        of_friction = np.where(guess.signs == 0, to_limits, np.where(guess.signs == SIGNS, to_rest, 1.0))
+        rubs = guess.active & (self.coefficients > 0.0)
+        return np.vstack((np.where(guess.active, normal, gaps), np.where(rubs, of_friction, 1.0)))
 
     def linearised_barriers(self, normal: Floats) -> tuple[Floats, Floats]:
         """Compliance c and gap ``h - c p`` of the barriers about normal forces, each (m,)."""
@@ -249,10 +262,8 @@ def standoffs(normal: Floats, barriers: Floats) -> Floats:
 def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) -> Answer | None:
     """Solve by the semismooth Newton method; None if it does not converge.
 
-    A step is halved until the error of the laws' equations is below the maximum of the last steps (L. Grippo, F.
-    Lampariello and S. Lucidi, 1986, SIAM J. Numer. Anal. 23), and goes the whole way if it never is. Forces and gaps
-    are linear along it, so that no halving needs further equations. A loop of its own: the state is a set of
-    constraints, and the iteration ends where the set repeats, not where a residual is small.
+    A loop of its own: the state is a set of constraints, and the iteration ends where the set repeats, not where a
+    residual is small.
 
     Parameters
     ----------
@@ -266,28 +277,18 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
 
     """
     guess = laws.guess(Answer(forces, np.zeros(len(forces)), np.zeros(0)))
-    answer: Answer | None = None
     errors: list[float] = []
     while len(errors) <= MIN_ROUNDS or errors[-1] < errors[-2]:
-        solution = solved(guess)
-        if solution is None:
+        answer = solved(guess)
+        if answer is None:
             return None
-        following, projected = laws.guess(solution), laws.projected(solution)
-        error = max_magnitude(projected - solution.forces)
+        following, projected = laws.guess(answer), laws.projected(answer)
+        errors.append(max_magnitude(projected - answer.forces))
         if following.same_as(guess, laws):
-            return solution
-        if error <= ROUND_OFF * max_magnitude(solution.forces) and not laws.barred:
-            return solution._replace(forces=projected)
-        before = answer or solution
-        for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):
-            tried = solution._replace(
-                forces=before.forces + part * (solution.forces - before.forces),
-                slacks=before.slacks + part * (solution.slacks - before.slacks),
-            )
-            if laws.error(tried) < max(errors[-MEMORY:], default=np.inf):
-                break
-        answer, guess = tried, laws.guess(tried)
-        errors.append(laws.error(answer))
+            return answer
+        if errors[-1] <= ROUND_OFF * max_magnitude(answer.forces) and not laws.barred:
+            return answer._replace(forces=projected)
+        guess = following
     return None
 
 
@@ -325,6 +326,50 @@ class DenseEquations:
         if self.laws.friction:
             forces[m:] += ratios * forces[:m]
         return Answer(forces, self.matrix @ forces + self.motions.by_motion @ motions + self.offset, motions)
+
+    def answer(self, forces: Floats) -> Answer | None:
+        """Solve by the semismooth Newton method from forces (k,), or along the path; None if there is no solution."""
+        return solve(self.laws, self, forces) or self._along_path()
+
+    def _along_path(self) -> Answer | None:
+        """Solve by following solutions from where all constraints are open; None if the path does not arrive.
+
+        Gaps are larger by ``(1 - t) d``, which opens all of them at t = 0. With one guess forces and gaps are linear in
+        t, up to where the law of one constraint ends. It goes over to its next law, and t to where this one holds,
+        which may be backwards: where friction holds a part that its supports hardly hold, Newton's method may go round
+        between guesses (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56).
+        """
+        laws, m = self.laws, self.laws.m
+        guess = Guess(np.zeros(m, dtype=np.bool_), np.ones(m, dtype=np.int64), np.zeros(m))
+        opened = self(guess)
+        if opened is None or laws.barred or not laws.friction:
+            return None
+        # all different, so that one closes at a time
+        lifts = max_magnitude(opened.slacks[:m]) * (2.0 + GOLDEN_SECTION * np.arange(m) % 1.0)
+        start = DenseEquations(self.matrix, self.offset + np.append(lifts, np.zeros(m)), laws, self.motions)
+        time, direction, changed = 0.0, 1.0, None
+        for _ in range(MAX_PIECES):
+            first, last = start(guess), self(guess)
+            if first is None or last is None:
+                return None
+            margins = laws.margins(guess, first)
+            falls = margins - laws.margins(guess, last)
+            if changed:
+                direction = -float(np.sign(falls[changed]))
+            ahead = quotients(margins, direction * falls) - direction * time
+            ahead = np.where(direction * falls > 0.0, np.maximum(ahead, 0.0), np.inf)
+            changed = law, one = divmod(int(ahead.argmin()), m)
+            time += direction * ahead[changed]
+            if not 0.0 <= time < 1.0:
+                return last if time > 0.0 else None
+            active, signs = guess.active.copy(), guess.signs.copy()
+            if law == 0:
+                slips = (1.0 - time) * first.slacks[m:] + time * last.slacks[m:]
+                active[one], signs[one] = not active[one], np.copysign(1.0, -slips[one])
+            else:
+                signs[one] = 0 if signs[one] else SIGNS[law - 1, 0]
+            guess = Guess(active, signs, guess.normal)
+        return None
 
     def free_motions(self, answer: Answer) -> tuple[Floats, Floats, bool]:
         """Motions that the constraints under the forces of an answer hold by hardly any stiffness.
