@@ -24,7 +24,7 @@ from flangeway.mesh import (
     triangulate,
 )
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Spring, Traction
-from flangeway.quantities import Quantity, columns, key_unit, of_part, reference, values
+from flangeway.quantities import Quantity, columns, key_unit, of_part, plain_text, reference, values
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.placements import Track, WheelPair
 from flangeway.railway.track.wheelset_loads import FromSpeed, Load, Position
@@ -408,3 +408,16 @@ def test_a_conicity_that_does_not_exist_is_no_number() -> None:
     row = {"position": 17000.0, "conicity": float("nan")}
     values = {each.key: each.value(row) for each in row_quantities(["position", "conicity", "t_gamma_N"], "km")}
     assert json.loads(json.dumps(values, allow_nan=False)) == {"position": 17000.0, "conicity": None, "t_gamma_N": None}
+
+
+@pytest.mark.parametrize(
+    ("value", "form", "text"),
+    [
+        (3.94073e7, ".6g", "39407300"), (-2.5e10, ".4g", "-25000000000"), (1e-7, ".2g", "1e-07"),
+        (3e12, ".3g", "3e+12"), (-1e-4, ".3f", "0.000"), (-0.0, ".4g", "0"), (-2e-6, ".1%", "0.0%"),
+        (-0.6, ".0f", "-1"), (17, "d", "17"),
+    ],
+)  # fmt: skip
+def test_plain_texts(value, form, text):
+    """Large numbers have their digits in the place of a power of ten, and zero has no sign."""
+    assert plain_text(value, form) == text

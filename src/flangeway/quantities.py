@@ -23,6 +23,8 @@ Part = TypeVar("Part")
 Whole = TypeVar("Whole")
 MISSING = "–"
 """Text of a value that does not exist."""
+MAX_PLAIN = 1e12
+"""Size from which numbers are powers of ten."""
 MIN_DIGITS = 3
 """Significant digits that a converted number keeps at least: 70 mm are 2.76 in, not 2.8."""
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶μ", "0123456u")
@@ -44,7 +46,7 @@ class Quantity(Generic[T_contra]):
     unit
         Metric unit, such as ``MPa``, ``mm²``, ``kN/mm``, ``1/m``; empty for numbers without unit and for texts.
     form
-        Format of the number for people, such as ``.1f``; ``z`` before it shows what is rounded to zero without sign.
+        Format of the number for people, such as ``.1f``, see `plain_text`.
     parts
         Names of the components, such as ``("x", "y", "z")``.
     meaning
@@ -192,15 +194,23 @@ def number_text(value: Any, form: str, unit: UsUnit | None = None) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if unit is None:
-        return format(value, form)
+        return plain_text(value, form)
     converted, stem = float(unit.of(value)), form.rstrip("f")
     if not form.endswith("f"):
-        return format(converted, form)
+        return plain_text(converted, form)
     # decimals of the same relative precision, and at least three significant digits of what is above one
     decimals = int(stem.rpartition(".")[2]) + round(math.log10(unit.metric))
     if abs(value) >= 1.0:
         decimals = max(decimals, MIN_DIGITS - 1 - math.floor(math.log10(abs(converted))))
-    return format(converted, f"{'z' * form.startswith('z')}.{max(decimals, 0)}f")
+    return plain_text(converted, f".{max(decimals, 0)}f")
+
+
+def plain_text(value: float, form: str) -> str:
+    """Return the text of a number: zero has no sign, and a large one all its digits in the place of a power of ten."""
+    text = format(value, form)
+    if "e+" in text and abs(value) < MAX_PLAIN:
+        text = format(float(text), ".0f")
+    return text if text.strip("-+0.%") else text.lstrip("-")
 
 
 def measured(value: float, unit: str, units: Units = "metric", form: str = ".4g") -> str:

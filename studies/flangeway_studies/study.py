@@ -351,7 +351,7 @@ class Computed:
                 "versions": versions(),
             },
             again=Again(command, files=f"All numbers, for spreadsheets, are in `{TABLE}`."),
-            sentences=[self.text.replace(" {{table}}", "")],
+            assumptions=[self.text.replace(" {{table}}", "")],
             warnings=[*self.failures, *self.outside],
             pictures=lambda: [
                 Picture(f"{picture.name}.png", partial(picture.draw, self.curves), f"{picture.alternative}.")

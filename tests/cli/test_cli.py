@@ -218,7 +218,7 @@ def test_section_of_a_file(call, tmp_path):
     status, out, err = call("section", "box.toml", "--size", 4)
     assert status == 0, err
     assert "Note: outer boundary: drawn clockwise" in out
-    for words in ("Box girder", "torsion constant J, mm⁴", "shear centre x, mm", "warping constant, mm⁶"):
+    for words in ("Box girder", "torsion constant J, cm⁴", "shear centre x, mm", "warping constant, cm⁶"):
         assert words in out
     folder = tmp_path / "out" / "section-box"
     assert {path.name for path in folder.iterdir()} == FILES

@@ -182,9 +182,7 @@ def headings(text):
 def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     """Sections come in order, one without contents is left out, and notices, results and versions are shown."""
     assert headings(hertz_text) == HEADINGS
-    contents = re.findall(r'<a href="#(\w+)">(.*?)</a>', hertz_text)
-    assert [heading for _, heading in contents] == HEADINGS
-    assert all(f'<h2 id="{name}">' in hertz_text for name, _ in contents)
+    assert re.findall(r"<details>\s*<summary><h2[^>]*>(.*?)</h2>", hertz_text) == HEADINGS[1:]
     words = unescape(hertz_text)
     assert all(text in words for text in hertz.summary["notices"])
     assert f"{hertz.summary['results']['hertz_max_pressure_MPa']:.6g} MPa" in words

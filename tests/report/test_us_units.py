@@ -125,7 +125,7 @@ def test_tables_and_tiles(records):
 def sentences_of(record):
     """All that a record says in sentences."""
     notes = record.scene().in_units(record.units).notes if record.scene else ()
-    said = [record.title, record.subtitle, record.message, *record.sentences, *record.warnings, *record.notes]
+    said = [record.title, record.subtitle, record.message, *record.warnings, *record.notes]
     return [*said, *(text for text in record.assumptions if text != METRIC_FILES), *notes]
 
 

@@ -55,7 +55,7 @@ ANGLE: Quantity[SpatialPatch] = Quantity(
     "orientation of the major axis",
     lambda p: math.degrees(p.angle_rad),
     "deg",
-    "z.1f",
+    ".1f",
     meaning="from z to the major axis",
 )
 AREA: Quantity[SpatialPatch] = Quantity("area", "area", lambda patch: patch.area, "mm²", ".2f")
@@ -78,22 +78,22 @@ _rolling, _shifting = partial(_if_rolling, True), partial(_if_rolling, False)
 
 THEORY: Creep = Quantity("theory", "theory", lambda creep: creep.theory)
 LONGITUDINAL_CREEPAGE: Creep = Quantity(
-    "longitudinal_creepage", "longitudinal creepage", _rolling(lambda creep: creep.longitudinal_creepage), form="z.4%"
+    "longitudinal_creepage", "longitudinal creepage", _rolling(lambda creep: creep.longitudinal_creepage), form=".4%"
 )
 LATERAL_CREEPAGE: Creep = Quantity(
-    "lateral_creepage", "lateral creepage", _rolling(lambda creep: creep.lateral_creepage), form="z.4%"
+    "lateral_creepage", "lateral creepage", _rolling(lambda creep: creep.lateral_creepage), form=".4%"
 )
 SPIN_CREEPAGE: Creep = Quantity(
-    "spin_creepage", "spin creepage", _rolling(lambda creep: creep.spin_creepage_per_m), "1/m", "z.4f"
+    "spin_creepage", "spin creepage", _rolling(lambda creep: creep.spin_creepage_per_m), "1/m", ".4f"
 )
 CREEPAGES = (LONGITUDINAL_CREEPAGE, LATERAL_CREEPAGE, SPIN_CREEPAGE)
 LONGITUDINAL_FORCE: Creep = Quantity(
-    "longitudinal_force", "longitudinal force", lambda creep: creep.forces.along, "kN", "z.4f", factor=1e-3
+    "longitudinal_force", "longitudinal force", lambda creep: creep.forces.along, "kN", ".4f", factor=1e-3
 )
 LATERAL_FORCE: Creep = Quantity(
-    "lateral_force", "lateral force", lambda creep: creep.lateral_force_N, "kN", "z.4f", factor=1e-3
+    "lateral_force", "lateral force", lambda creep: creep.lateral_force_N, "kN", ".4f", factor=1e-3
 )
-SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", lambda creep: creep.spin_moment_Nm, "Nm", "z.3f")
+SPIN_MOMENT: Creep = Quantity("spin_moment", "spin moment", lambda creep: creep.spin_moment_Nm, "Nm", ".3f")
 FORCES = (LONGITUDINAL_FORCE, LATERAL_FORCE, SPIN_MOMENT)
 TRACTION: Creep = Quantity(
     "traction_coefficient",
@@ -107,13 +107,13 @@ T_GAMMA: Creep = Quantity(
     "T-gamma",
     _rolling(lambda creep: creep.t_gamma_N),
     "N",
-    "z.3f",
+    ".3f",
     meaning="frictional power divided by the speed",
 )
 T_GAMMAS: tuple[Creep, ...] = (
     T_GAMMA,
-    Quantity("t_gamma_without_spin", "  forces times creepages", _rolling(lambda f: f.products[0]), "N", "z.3f"),
-    Quantity("t_gamma_with_spin", "  and spin moment times spin", _rolling(lambda f: sum(f.products)), "N", "z.3f"),
+    Quantity("t_gamma_without_spin", "  forces times creepages", _rolling(lambda f: f.products[0]), "N", ".3f"),
+    Quantity("t_gamma_with_spin", "  and spin moment times spin", _rolling(lambda f: sum(f.products)), "N", ".3f"),
 )
 SLIP_AREA: Creep = Quantity("slipping_share", "slip area", lambda creep: creep.slip_fraction, form=".1%")
 MAX_TRACTION: Creep = Quantity(
@@ -132,18 +132,18 @@ FIELDS: tuple[Creep, ...] = (
         meaning="temperature of the surfaces in contact above that without friction",
     ),
     Quantity(
-        "max_power_density", "maximum frictional power density", lambda creep: creep.power_density, "W/mm²", "z.2f"
+        "max_power_density", "maximum frictional power density", lambda creep: creep.power_density, "W/mm²", ".2f"
     ),
 )
 """What theories with tractions have."""
 BY_THEORY: tuple[Creep, ...] = (THEORY, *CREEPAGES, *FORCES, *T_GAMMAS)
 SHIFT: tuple[Creep, ...] = (
-    Quantity("shift_ahead", "shift ahead", _shifting(lambda creep: creep.longitudinal_creepage), "mm", "z.6f"),
-    Quantity("shift_right", "shift to the right", _shifting(lambda creep: creep.lateral_creepage), "mm", "z.6f"),
-    Quantity("shift_rotation", "rotation", _shifting(lambda creep: creep.spin_creepage_per_m), "mrad", "z.4f"),
+    Quantity("shift_ahead", "shift ahead", _shifting(lambda creep: creep.longitudinal_creepage), "mm", ".6f"),
+    Quantity("shift_right", "shift to the right", _shifting(lambda creep: creep.lateral_creepage), "mm", ".6f"),
+    Quantity("shift_rotation", "rotation", _shifting(lambda creep: creep.spin_creepage_per_m), "mrad", ".4f"),
     Quantity("max_slip", "maximum slip", _shifting(lambda creep: creep.max_slip), "mm", ".6f"),
     Quantity("dissipated", "work of friction", _shifting(lambda creep: creep.forces.frictional_power), "N mm", ".4g"),
 )
 POWER: Creep = Quantity(
-    "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", "z.1f"
+    "frictional_power", "frictional power", _rolling(lambda f: f.scale * f.forces.frictional_power), "W", ".1f"
 )

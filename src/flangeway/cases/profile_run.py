@@ -182,8 +182,8 @@ QUANTITIES: Quantities[ProfileRun] = (
     Quantity("points", "points", lambda run: len(run.profile.points), form="d"),
     Quantity("arcs", "lines and arcs", lambda run: run.profile.surface.n_segments, form="d"),
     Quantity("length", "arc length", lambda run: run.running.length, "mm", ".3f"),
-    Quantity("minimum", "minimum", lambda run: run.running.bounds()[0], "mm", "z.3f", ("x", "y")),
-    Quantity("maximum", "maximum", lambda run: run.running.bounds()[1], "mm", "z.3f", ("x", "y")),
+    Quantity("minimum", "minimum", lambda run: run.running.bounds()[0], "mm", ".3f", ("x", "y")),
+    Quantity("maximum", "maximum", lambda run: run.running.bounds()[1], "mm", ".3f", ("x", "y")),
     Quantity("minimum_convex_radius", "minimum convex radius", lambda run: _radius(run, 1.0), "mm"),
     Quantity("minimum_concave_radius", "minimum concave radius", lambda run: _radius(run, -1.0), "mm"),
     *MEASURES,
@@ -395,11 +395,11 @@ which gauges are measured (EN 13848-1).
 
 
 def _wear(key: str, label: str) -> Quantity[FolderProfile]:
-    return Quantity(key, label, lambda profile: profile.wear_mm.get(key), "mm", "z.2f")
+    return Quantity(key, label, lambda profile: profile.wear_mm.get(key), "mm", ".2f")
 
 
 _MAIN_MEASURES: Quantities[FolderProfile] = of_part(
-    lambda profile: profile.run, *(replace(measure, form="z.2f") for measure in MEASURES[:4])
+    lambda profile: profile.run, *(replace(measure, form=".2f") for measure in MEASURES[:4])
 )
 FOLDER_QUANTITIES: Quantities[FolderProfile] = (
     Quantity("file", "file", lambda profile: profile.file),

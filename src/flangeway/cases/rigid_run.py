@@ -305,24 +305,24 @@ CONTACT_QUANTITIES: Quantities[LoadedContact] = (
     Quantity("side", "side", lambda at: at.point.side),
     Quantity("normal_force", "normal force", lambda at: at.point.normal_force_N, "kN", ".2f", factor=1e-3),
     Quantity("contact_angle", "contact angle", lambda at: math.degrees(at.point.contact_angle_rad), "deg", ".2f"),
-    Quantity("wheel_point", "point of the wheel", lambda at: at.point.wheel_point_mm, "mm", "z.2f", ("x", "y")),
-    Quantity("rail_point", "point of the rail", lambda at: at.point.rail_point_mm, "mm", "z.2f", ("x", "y")),
+    Quantity("wheel_point", "point of the wheel", lambda at: at.point.wheel_point_mm, "mm", ".2f", ("x", "y")),
+    Quantity("rail_point", "point of the rail", lambda at: at.point.rail_point_mm, "mm", ".2f", ("x", "y")),
     Quantity("rolling_radius", "rolling radius", lambda at: at.point.rolling_radius_mm, "mm", ".2f"),
-    Quantity("ahead_of_axle", "longitudinal position of contact", lambda at: at.point.ahead_mm, "mm", "z.2f"),
+    Quantity("ahead_of_axle", "longitudinal position of contact", lambda at: at.point.ahead_mm, "mm", ".2f"),
     Quantity("relative_curvature", "relative curvature", lambda at: at.point.relative_curvature_per_mm, "1/mm"),
     Quantity("hertz_half_width", "Hertz: half width", lambda at: at.hertz and at.hertz.half_width, "mm"),
     Quantity("hertz_max_pressure", "Hertz: maximum pressure", lambda at: at.hertz and at.hertz.max_pressure, "MPa"),
 )
 """Numbers of a point of contact."""
 POSITION_QUANTITIES: Quantities[RigidPosition] = (
-    Quantity("lateral", "lateral position", lambda at: at.motion_in_space.lateral_mm, "mm", "z.3f"),
-    Quantity("vertical", "vertical position", lambda at: at.motion_in_space.vertical_mm, "mm", "z.4f"),
-    Quantity("roll", "roll", lambda at: at.motion_in_space.roll_rad, "mrad", "z.4f", factor=1e3),
+    Quantity("lateral", "lateral position", lambda at: at.motion_in_space.lateral_mm, "mm", ".3f"),
+    Quantity("vertical", "vertical position", lambda at: at.motion_in_space.vertical_mm, "mm", ".4f"),
+    Quantity("roll", "roll", lambda at: at.motion_in_space.roll_rad, "mrad", ".4f", factor=1e3),
     Quantity(
         "lateral_over_vertical",
         "L/V",
         lambda at: [at.lateral_over_vertical(side) for side in SIDES],
-        form="z.3f",
+        form=".3f",
         parts=SIDES,
     ),
 )

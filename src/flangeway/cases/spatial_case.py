@@ -75,7 +75,7 @@ APPROACH: Quantity[PatchContact] = Quantity(
     "approach", "approach from first touch", lambda contact: contact.approach, "mm", ".5g"
 )
 CONTACT: Quantities[PatchContact] = (
-    Quantity("force", "force on the upper body", lambda contact: contact.force, "N", "z.1f", ("x", "y")),
+    Quantity("force", "force on the upper body", lambda contact: contact.force, "N", ".1f", ("x", "y")),
     APPROACH,
     Quantity(
         *("cell", "size of the cells", lambda c: (float(c.pair.grid.widths.mean()), c.pair.grid.strip), "mm"),
@@ -93,8 +93,8 @@ CONTACT: Quantities[PatchContact] = (
     ),
 )
 PATCH: Quantities[SpatialPatch] = (
-    Quantity("force", "force", lambda patch: patch.force, "N", "z.1f", ("x", "y")),
-    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", "z.3f", ("x", "y", "z")),
+    Quantity("force", "force", lambda patch: patch.force, "N", ".1f", ("x", "y")),
+    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", ".3f", ("x", "y", "z")),
     MAX_PRESSURE,
     HERTZ_PRESSURE,
     AXES,

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.geometry.arrays import box, extent, framed
-from flangeway.report.figures.drawing import GREY, INK, NODES, name_axes, newton_figure, panels
+from flangeway.report.figures.drawing import GREY, INK, NODES, PAGE_IN, name_axes, newton_figure, panels
 from flangeway.report.figures.plots import DrawnBody, pressure_curves, stress_panels
 from flangeway.report.page.record import Picture
 from flangeway.report.scenes import load_steps
@@ -33,7 +33,7 @@ def stress_figure(run: BodiesRun) -> Figure:
     figure, _ = stress_panels(bodies, windows, run.case.units)
     word = "" if run.status.converged else ", not converged"
     figure.suptitle(
-        fill(f"{run.case.title}: as deformed{word}", int(LETTERS_PER_IN * figure.get_figwidth())), fontsize=10
+        fill(f"{run.case.title}: as deformed{word}", int(LETTERS_PER_IN * figure.get_figwidth())), fontsize=9
     )
     return figure
 
@@ -50,7 +50,7 @@ def pressure_figure(run: BodiesRun) -> Figure:
 
 def traction_figure(run: BodiesRun) -> Figure:
     """Draw the tangential tractions of the contacts with friction between their limits, one contact below another."""
-    figure, rows = panels(8.0, 2.2 * len(run.rubbing) + 0.6, len(run.rubbing), 1, run.case.units)
+    figure, rows = panels(PAGE_IN, 1.8 * len(run.rubbing) + 0.5, len(run.rubbing), 1, run.case.units)
     for axes, pair in zip(rows[:, 0], run.rubbing, strict=True):
         nodes = pair.nodes
         steps = [np.diff(nodes[axis], prepend=nodes[axis][:1]) for axis in "xy"]

@@ -17,6 +17,7 @@ from flangeway.report.figures.drawing import (
     GREY,
     HALO,
     INK,
+    PAGE_IN,
     SIDE_COLOURS,
     Style,
     colour_bar,
@@ -75,7 +76,7 @@ def campaign_figures(table: CampaignTable, units: Units = "metric") -> Figures:
 
 def locus_figure(table: CampaignTable, key: str, units: Units = "metric") -> Figure:
     """Draw the points of contact on wheels and rails over an input; dot size by force."""
-    figure, axes = panels(9.0, 6.4, 2, 2, units, sharex=True)
+    figure, axes = panels(PAGE_IN, 4.2, 2, 2, units, sharex=True)
     of_row = dict(zip(table.rows["row"], table.numbers(key), strict=True))
     patches = {name: np.array(values) for name, values in table.patches.items()}
     x = np.array([of_row[row] for row in table.patches["row"]])
@@ -86,16 +87,16 @@ def locus_figure(table: CampaignTable, key: str, units: Units = "metric") -> Fig
         for panel, (body, where) in zip(column, (("wheel", "tape line"), ("rail", "centre line")), strict=True):
             y = patches[f"{body}_position_x_mm"][rows].astype(float)
             panel.scatter(x[rows], y, s=size[rows], color=SIDE_COLOURS[side], alpha=0.6, lw=0)
-            name_axes(panel, y=(f"{body}: x from its {where}" if side == SIDES[0] else "", "mm"))
+            name_axes(panel, y=(f"{body}: x from its\n{where}" if side == SIDES[0] else "", "mm"))
         column[0].set_title(f"{side} side", fontsize=9)
         name_axes(column[1], named(key))
-    figure.suptitle(f"{table.name}: points of contact; size of the dots by force", fontsize=10)
+    figure.suptitle(f"{table.name}: points of contact; size of the dots by force", fontsize=9)
     return figure
 
 
 def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "metric") -> Figure:
     """Draw the maximum pressure over two inputs; the maximum over all other inputs."""
-    figure, (both,) = panels(9.4, 4.2, 1, 2, units, sharey=True)
+    figure, (both,) = panels(PAGE_IN, 3.3, 1, 2, units, sharey=True)
     points, groups = np.unique(
         np.column_stack((table.numbers(first), table.numbers(second))), axis=0, return_inverse=True
     )
@@ -118,7 +119,7 @@ def pressure_map(table: CampaignTable, first: str, second: str, units: Units = "
     name_axes(both[0], y=named(second))
     colour_bar(drawn, list(both), "maximum pressure", "MPa")
     legend_below(figure, 4)
-    figure.suptitle(f"{table.name}: maximum pressure", fontsize=10)
+    figure.suptitle(f"{table.name}: maximum pressure", fontsize=9)
     return figure
 
 
@@ -186,7 +187,7 @@ def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
 def sides_figure(table: CampaignTable, key: str, name: str, units: Units = "metric") -> Figure:
     """Draw results of both sides over an input or a result, a line for each combination of the other inputs."""
     title, columns = OF_SIDES[name]
-    figure, rows = panels(9.0, 1.5 + 2.2 * len(columns), len(columns), 2, units, sharex=True, sharey="row")
+    figure, rows = panels(PAGE_IN, 1.2 + 1.3 * len(columns), len(columns), 2, units, sharex=True, sharey="row")
     for row, (column, words, unit) in zip(rows, columns, strict=True):
         for panel, side in zip(row, SIDES, strict=True):
             _draw_series(panel, table, key, f"{side}_{column}")
@@ -195,5 +196,5 @@ def sides_figure(table: CampaignTable, key: str, name: str, units: Units = "metr
         top.set_title(f"{side} side", fontsize=9)
         name_axes(bottom, named(key))
     legend_below(figure, 4)
-    figure.suptitle(f"{table.name}: {title}", fontsize=10)
+    figure.suptitle(f"{table.name}: {title}", fontsize=9)
     return figure

@@ -151,7 +151,7 @@ def _shown_range(key: str, values: list[float], units: Units) -> tuple[str, ...]
     if unit and size < ROUND_OFF:
         size, numbers = 0.0, [0.0] * len(numbers)
     decimals = 0 if all(isinstance(value, int) for value in values) or not size else 4 - math.floor(math.log10(size))
-    form = f"z.{max(decimals, 0)}f" if decimals <= MAX_DECIMALS else ".3g"
+    form = f".{max(decimals, 0)}f" if decimals <= MAX_DECIMALS else ".3g"
     words = f"{side}: {words}" if side in SIDES else words
     of: Quantity[Any] = Quantity(key, words, lambda value: value, unit, form)
     return *of.labels(units), *(text for value in numbers for text in of.texts(float(value), units))

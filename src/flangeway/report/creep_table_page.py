@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.quantities import Quantities, Quantity, measured
-from flangeway.report.figures.drawing import name_axes, panels, sequence_colours
+from flangeway.report.figures.drawing import PAGE_IN, name_axes, panels, sequence_colours
 from flangeway.report.page.html_page import inputs_tables
 from flangeway.report.page.record import Again, Picture, Report, SummaryTable, table_of
 from flangeway.system.output_folder import Writer
@@ -116,7 +116,7 @@ def forces_figure(table: CreepTable, units: Units = "metric") -> Figure:
     lateral, yaw, load = table.axes
     slip, spin, creep = table.creep_axes
     size = 100.0 * SATURATED * slip[:-1] / (1.0 - slip[:-1])  # of creepages in %, over those of linear theory's limit
-    figure, (both,) = panels(9.0, 4.0, 1, 2, units, sharey=True)
+    figure, (both,) = panels(PAGE_IN, 3.2, 1, 2, units, sharey=True)
     chosen = np.unique(np.linspace(0, len(lateral) - 1, MAX_CURVES).round().astype(int))
     for index, colour in zip(chosen.tolist(), sequence_colours(len(chosen)), strict=True):
         right = index, len(yaw) // 2, len(load) // 2, 1

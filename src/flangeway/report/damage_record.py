@@ -13,7 +13,7 @@ from flangeway.quantities import Quantity, measured
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage, limit_positions
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.report.figures.drawing import SERIES, legend_below, name_axes, new_figure
+from flangeway.report.figures.drawing import PAGE_IN, SERIES, legend_below, name_axes, new_figure
 from flangeway.report.page.record import Again, Picture, Report, SummaryTable, named, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
@@ -106,14 +106,14 @@ def row_quantities(keys: Iterable[str], distance: str) -> list[Quantity[Mapping[
     - `distance`: unit of the position.
     """
     words_of_keys = {
-        "position": ("distance", distance),
-        "t_gamma_N": ("mean T-gamma", "N"),
-        "conicity": ("equivalent conicity at 3 mm", ""),
+        "position": ("distance", distance, ".6g"),
+        "t_gamma_N": ("mean T-gamma", "N", ".4g"),
+        "conicity": ("equivalent conicity at 3 mm", "", ".4g"),
     }
     return [
-        Quantity(key, words, partial(_number, key), unit, ".5g")
+        Quantity(key, words, partial(_number, key), unit, form[0] if form else ".3f" if "mm" in unit else ".4g")
         for key in keys
-        for words, unit in (words_of_keys.get(key) or named(key),)
+        for words, unit, *form in (words_of_keys.get(key) or named(key),)
     ]
 
 
@@ -201,7 +201,7 @@ def profiles_figure(
 ) -> Figure:
     """Draw the depth of each surface at some distances, the damage of the last step, and numbers over the distance."""
     keys = list(steps[0].surfaces)
-    figure = new_figure(max(5.0 * len(keys), 8.0), 7.0, units)
+    figure = new_figure(PAGE_IN, 4.2, units)
     grid = figure.add_gridspec(2, 1, height_ratios=(5, 2))
     profiles, distance = figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
     axes = profiles.subplots(2, len(keys), squeeze=False, sharex="col", height_ratios=(2, 1))
@@ -214,10 +214,10 @@ def profiles_figure(
         x = steps[-1].surfaces[role, side].worn_points[:-1, 0]
         below.plot(x, steps[-1].damage[role, side], color=SERIES[1], lw=1.2)
         above.invert_yaxis()
-        above.set_title(role)
+        above.set_title(role, fontsize=9)
         name_axes(above, ("", "mm"), ("depth", "mm"))
         name_axes(below, ("lateral position", "mm"), "net damage")
-        above.legend(fontsize=7)
+        above.legend(fontsize=8)
     positions = [row["position"] for row in rows]
     for panel, (key, name) in zip(distance.subplots(1, len(OVER_DISTANCE)), OVER_DISTANCE.items(), strict=True):
         panel.plot(positions, [row[key] for row in rows], ".-", color=SERIES[0])
@@ -299,7 +299,7 @@ def _all_assumptions(records: Mapping[str, Report]) -> list[str]:
 def _figure(steps: Mapping[str, Sequence[EvolutionStep]], unit: str, units: Units) -> Figure:
     """Draw the last depth of each surface, and its worn area over the distance, a line for each strategy."""
     keys = dict.fromkeys(key for run in steps.values() for key in run[-1].surfaces)
-    figure = new_figure(11.0, 1.0 + 3.5 * len(keys), units)
+    figure = new_figure(PAGE_IN, 1.0 + 1.85 * len(keys), units)
     axes = figure.subplots(len(keys), 2, squeeze=False)
     for (profile, distance), (role, side) in zip(axes, keys, strict=True):
         for strategy, run in steps.items():
@@ -310,7 +310,7 @@ def _figure(steps: Mapping[str, Sequence[EvolutionStep]], unit: str, units: Unit
             areas = [step.surfaces[role, side].worn_area_mm2 for step in run]
             distance.plot([step.position for step in run], areas, ".-", label=strategy)
         profile.invert_yaxis()
-        profile.set_title(role)
+        profile.set_title(role, fontsize=9)
         name_axes(profile, ("lateral position", "mm"), ("depth", "mm"))
         name_axes(distance, ("distance", unit), ("worn area", "mm²"))
     legend_below(figure, len(steps))

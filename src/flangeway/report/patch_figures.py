@@ -1,5 +1,6 @@
 """Pictures of contact patches: pressures and stresses, stick and slip, and the shakedown diagram."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -20,6 +21,7 @@ from flangeway.report.figures.drawing import (
     GREY,
     INK,
     LIGHT,
+    PAGE_IN,
     PURPLE,
     Style,
     colour_bar,
@@ -42,7 +44,7 @@ CURVES = (
 )  # fmt: skip
 MIN_RATIO = 0.6
 """Width of what is shown of a surface from above relative to its height, at least."""
-MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 9.0, 6.0, 5.0, 3.0
+MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 6.4, 2.9, 5.0, 2.6
 """Size of the picture of surfaces from above: without labels at most, with them at least."""
 
 
@@ -76,7 +78,7 @@ def maps_figure(
         box[:, 0] += np.array([-0.5, 0.5]) * max(least - float(np.ptp(box[:, 0])), 0.0)
     ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
     scale = min(MAX_WIDTH_IN / sum(widths), MAX_HEIGHT_IN / (ends[1] - ends[0]))
-    size = max(scale * sum(widths) + 1.0, MIN_WIDTH_IN), max(scale * (ends[1] - ends[0]) + 1.9, MIN_HEIGHT_IN)
+    size = max(scale * sum(widths) + 0.8, MIN_WIDTH_IN), max(scale * (ends[1] - ends[0]) + 1.4, MIN_HEIGHT_IN)
     figure = new_figure(*size, units)
     both = figure.subplots(1, len(maps), sharey=True, squeeze=False, width_ratios=widths)[0]
     highest = max(float(shown.cells.pressures.max()) for shown in maps)
@@ -102,7 +104,7 @@ def draw_depths(axes: Axes, profile: DepthProfile) -> None:
     axes.axvline(0.0, color=GREY, lw=0.8)
     axes.set_ylim(float(profile.depths[-1]), 0.0)
     axes.grid(color=LIGHT, linewidth=0.6)
-    name_axes(axes, ("stress", "MPa"), ("depth", "mm"))
+    name_axes(axes, ("stress", "MPa"), ("", "mm"))
 
 
 def _fill(axes: Axes, drawn: DrawnCells, values: Floats, colours: Any, scale: Normalize) -> ScalarMappable:
@@ -118,9 +120,10 @@ def _fill(axes: Axes, drawn: DrawnCells, values: Floats, colours: Any, scale: No
 
 STICK, SLIP = "#d3e3f3", "#f2b482"
 ARROWS = 14
+TITLE_LETTERS = 20
 """Arrows along the longer side of a patch, about."""
-PANEL_IN, MAX_ROLLING_HEIGHT_IN = 2.6, 3.6
-"""Width of a panel, and the most of its height."""
+PANEL_IN, ROWS_IN, ROW_IN = 1.6, 3.0, 2.0
+"""Maximum width of a panel, height of all rows, and height of one."""
 LENGTH = 1.7
 """Longest arrow relative to the distance of arrows."""
 
@@ -129,8 +132,8 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
     """Draw a row for each patch: where it sticks and slips with its tractions, slip velocity, frictional power."""
     boxes, count = [shown.box for shown in patches], max(len(patches), 1)
     width, heights = (np.array([np.ptp(box, axis=0)[axis] for box in boxes] or [1.0]) for axis in (0, 1))
-    scale = min(PANEL_IN / float(width.max()), MAX_ROLLING_HEIGHT_IN / float(heights.max()))
-    size = 3.0 * (scale * float(width.max()) + 1.0), scale * float(heights.sum()) + 0.55 * count + 0.7
+    scale = min(PANEL_IN / float(width.max()), ROW_IN / float(heights.max()), ROWS_IN / float(heights.sum()))
+    size = 3.0 * (scale * float(width.max()) + 0.9), scale * float(heights.sum()) + 0.36 * count + 0.7
     figure = new_figure(*size, units)
     rows = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
     for row, shown, box in zip(rows, patches, boxes, strict=False):
@@ -140,15 +143,17 @@ def rolling_figure(patches: Sequence[ShownRolling], units: Units = "metric") -> 
             {name: arrays[name] for name in arrays if name.startswith(("slip", "frictional"))}
         )
         for axes, field in zip(row[1:], drawn, strict=True):
-            _draw_values(axes, shown, frictional[field.array], field.name, field.unit)
+            name = _draw_values(axes, shown, frictional[field.array], field.name, field.unit)
+            if shown is patches[0]:
+                axes.set_title(textwrap.fill(name, TITLE_LETTERS), fontsize=8)
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
-            name_axes(axes, ("to the right", "mm"))
+            name_axes(axes, ("to the right" if shown is patches[-1] else "", "mm"))
             axes.locator_params(axis="x", nbins=4)
             axes.locator_params(axis="y", nbins=6)
-        name_axes(row[0], y=("z ahead", "mm"))
+        name_axes(row[0], y=(f"{shown.name}\nz ahead", "mm"))
     fills = {"sticks": STICK, "slips": SLIP}
     handles = [Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in fills.items()]
     figure.legend(handles=handles, loc="outside lower left", ncols=2, frameon=False, fontsize=9)
@@ -174,13 +179,17 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
         axes.quiver(x, z, *arrows.T, scale=longest / (LENGTH * spacing), **style)
     slips = (states == SLIPS).sum() / max((states != NO_CONTACT).sum(), 1)
     most = measured(longest, "MPa", units_of(axes), ".0f")
-    axes.set_title(f"{shown.name}: {100.0 * slips:.0f} % slips,\ntractions up to {most}", fontsize=9)
+    axes.set_title(f"{100.0 * slips:.0f} % slips, up to {most}", fontsize=8)
 
 
-def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> None:
+def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, name: str, unit: str) -> str:
+    """Values of cells in colours; returns their name with the unit of the figure."""
     drawn = shown.cells_drawn
     scale = Normalize(0.0, max(float(values[drawn.chosen].max()), np.finfo(float).tiny))
-    colour_bar(_fill(axes, drawn, values, COLOURS, scale), axes, name, unit, aspect=18, pad=0.02)
+    bar = colour_bar(_fill(axes, drawn, values, COLOURS, scale), axes, name, unit, aspect=18, pad=0.02)
+    named = bar.ax.get_ylabel()
+    bar.set_label("")
+    return named
 
 
 # --- Patches in the shakedown diagram: maximum pressure over shear strength, and traction coefficient.
@@ -204,7 +213,7 @@ def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: flo
     strength = yield_MPa / np.sqrt(3.0)
     highest = max(MIN_HEIGHT, *(1.15 * pressure / strength for *_, pressure in patches))
     widest = min(1.0, max(MIN_WIDTH, *(1.15 * used for _, used, _ in patches)))
-    figure, ((axes,),) = panels(7.6, 5.2, units=units)
+    figure, ((axes,),) = panels(PAGE_IN, 3.8, units=units)
     traction = np.linspace(0.0, widest, 301)
     for kind, style, label in KINDS:
         for name, (words, colour) in LIMITS.items():
@@ -215,7 +224,7 @@ def shakedown_figure(patches: Sequence[tuple[str, float, float]], yield_MPa: flo
         label = f"{name}: {measured(pressure, 'MPa', units, '.0f')}"
         axes.plot(used, pressure / strength, "oDs^v"[number % 5], color=INK, ms=7.0, zorder=5, label=label)
     axes.set(xlim=(0.0, widest), ylim=(0.0, highest))
-    words = f"maximum pressure over shear strength k = {measured(yield_MPa, 'MPa', units)} / √3"
+    words = f"maximum pressure over\nshear strength k = {measured(yield_MPa, 'MPa', units)} / √3"
     name_axes(axes, "traction coefficient: creep force over normal force", words)
     legend_below(figure, 2, fontsize=9)
     return figure

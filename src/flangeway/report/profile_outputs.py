@@ -29,6 +29,7 @@ from flangeway.railway.profiles.joining import Joined, joined
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
+    PAGE_IN,
     SERIES,
     name_axes,
     new_figure,
@@ -55,7 +56,7 @@ MAX_CURVATURE_PER_MM = 0.2
 def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     """Draw the profile with one scale: points and curve."""
     profile, body = run.profile, run.body
-    axes = new_figure(8.5, 6.0, units, compressed=True).subplots()
+    axes = new_figure(PAGE_IN, 3.8, units, compressed=True).subplots()
     if body is not None and run.join is None:
         _draw_body(axes, body)
     else:
@@ -63,15 +64,15 @@ def shape_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     if profile.smoothing is not None:
         axes.plot(*profile.points.T, ".", ms=2.0, color=INK, label=f"{len(profile.points)} points", zorder=4)
     axes.plot(0.0, 0.0, "+", color=ORANGE, ms=12, mew=1.6, label="origin", zorder=5)
-    axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=10)
+    axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=9)
     return _shape(axes)
 
 
 def profile_figure(profile: RailProfile | WheelProfile) -> Figure:
     """Draw the outline of a profile and its running surface with one scale."""
-    axes = new_figure(7.5, 5.5, compressed=True).subplots()
+    axes = new_figure(PAGE_IN, 4.2, compressed=True).subplots()
     _draw_body(axes, profile)
-    axes.set_title(_title(profile.title), fontsize=10)
+    axes.set_title(_title(profile.title), fontsize=9)
     return _shape(axes)
 
 
@@ -92,7 +93,7 @@ def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     """Draw curvature along the running surface, and below it the points' distances from the curve."""
     smoothing, surface = run.profile.smoothing, run.running
     n_rows = 1 if smoothing is None else 2
-    figure, rows = panels(8.5, 1.2 + 2.4 * n_rows, n_rows, 1, units, sharex=True)
+    figure, rows = panels(PAGE_IN, 0.8 + 1.8 * n_rows, n_rows, 1, units, sharex=True)
     axes = rows[0, 0]
     lengths = surface.offsets
     curvatures = np.array([segment.curvature for segment in surface.segments])
@@ -105,7 +106,7 @@ def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
     name_axes(rows[-1, 0], (f"length along the profile, {start}", "mm"))
     name_axes(axes, y=("curvature, convex positive", "1/mm"))
     title = f"{_title(run.profile.title)}: curvature of the {surface.n_segments} lines and arcs"
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title, fontsize=9)
     if smoothing is not None:
         _draw_residuals(rows[1, 0], run)
     return figure
@@ -113,13 +114,13 @@ def curvature_figure(run: ProfileRun, units: Units = "metric") -> Figure:
 
 def join_figure(joined: Joined, units: Units = "metric") -> Figure:
     """Draw the measured surface on the nominal outline with both transitions, and deviations along the normal."""
-    _, ((whole,), (below,)) = panels(8.5, 8.6, 2, 1, units, height_ratios=(2.2, 1.0))
+    _, ((whole,), (below,)) = panels(PAGE_IN, 4.2, 2, 1, units, height_ratios=(1.7, 1.0))
     whole.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=NOMINAL, label="nominal")
     whole.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
     whole.plot(*_line(joined.measured).T, color=BLUE, lw=2.0, label="measured", zorder=3)
     for joint, label in zip(joined.joints, ("transition", None), strict=True):
         whole.plot(*np.array([joint.end, joint.landing]).T, color=ORANGE, lw=2.0, label=label, zorder=4)
-    whole.set_title(_title(joined.profile.title), fontsize=10)
+    whole.set_title(_title(joined.profile.title), fontsize=9)
     points = _line(joined.measured)
     off = deviations(joined.nominal.outline, points)
     x, lowest, worn = points[:, 0], int(off.argmin()), ""
@@ -138,7 +139,7 @@ def join_figure(joined: Joined, units: Units = "metric") -> Figure:
 def overlay_figure(runs: Sequence[ProfileRun], units: Units = "metric") -> Figure:
     """Draw profiles over each other, rails and wheels apart, and below the distance of each from the first."""
     kinds = [kind for kind in KINDS if any(run.profile.kind == kind for run in runs)]
-    figure, rows = panels(4.0 + 4.5 * len(kinds), 7.5, 2, len(kinds), units, height_ratios=(1.4, 1.0))
+    figure, rows = panels(PAGE_IN, 4.2, 2, len(kinds), units, height_ratios=(1.4, 1.0))
     for (shapes, apart), kind in zip(rows.T, kinds, strict=True):
         chosen = [run for run in runs if run.profile.kind == kind]
         first = _running(chosen[0])
@@ -152,7 +153,7 @@ def overlay_figure(runs: Sequence[ProfileRun], units: Units = "metric") -> Figur
             for line in shapes.lines[1:-1]:
                 line.set_label("")
         _shape(shapes)
-        shapes.set_title(f"{len(chosen)} {kind}{'s' * (len(chosen) > 1)}", fontsize=10)
+        shapes.set_title(f"{len(chosen)} {kind}{'s' * (len(chosen) > 1)}", fontsize=9)
         name_axes(apart, (f"from the {'tape line' if kind == 'wheel' else 'origin'}", "mm"), ("off the first", "mm"))
         apart.axhline(0.0, color=GREY, lw=0.6)
     return figure

@@ -22,6 +22,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
+    PAGE_IN,
     SIDE_COLOURS,
     Style,
     name_axes,
@@ -65,8 +66,8 @@ def _draw_sides(axes: Axes, run: GeometryRun, values: Callable[[SideLocus], Floa
 def locus_figure(run: GeometryRun) -> Figure:
     """Draw wheels over rails with lines between their points of contact, and radii and angles over the displacement."""
     locus, units = run.locus, run.case.units
-    figure, (pairs, curves) = panels(9.0, 7.0, 2, 2, units)
-    figure.suptitle(f"Contact locus: {name_of(run.case.wheelset.wheel)} on {name_of(run.case.track.rail)}", fontsize=10)
+    figure, (pairs, curves) = panels(PAGE_IN, 4.2, 2, 2, units)
+    figure.suptitle(f"Contact locus: {name_of(run.case.wheelset.wheel)} on {name_of(run.case.track.rail)}", fontsize=9)
     whole = np.abs(locus.lateral_mm - np.rint(locus.lateral_mm)) < 0.5 * run.case.scan.step_mm
     _, first = np.unique(np.rint(locus.lateral_mm[whole]), return_index=True)
     shown = locus.part(np.flatnonzero(whole)[first])
@@ -98,8 +99,8 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
         axes.plot([top[0], sign * lower[0]], [top[1], lower[1]], color=colour, lw=width)
         if central:
             style: Style = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
-            text = measured(lateral, "mm", units_of(axes), "z.0f").partition(" ")[0]
-            axes.annotate(text, top, fontsize=7, color=colour, **style)
+            text = measured(lateral, "mm", units_of(axes), ".0f").partition(" ")[0]
+            axes.annotate(text, top, fontsize=8, color=colour, **style)
     low, high = np.sort(sign * rail.x[[0, -1]])
     axes.set(xlim=(low - 12.0, high + 12.0), ylim=(-32.0, LIFT_MM + 14.0))
     axes.set_aspect("equal", adjustable="box")
@@ -110,8 +111,8 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
 
 def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> Figure:
     """Draw the equivalent conicity over the amplitude by both methods."""
-    figure, ((axes,),) = panels(6.4, 4.4, units=units)
-    figure.suptitle(f"Equivalent conicity: {run.summary['case']}", fontsize=10)
+    figure, ((axes,),) = panels(6.4, 3.6, units=units)
+    figure.suptitle(f"Equivalent conicity: {run.summary['case']}", fontsize=9)
     conicity, notices = run.conicities, run.summary["notices"]
     axes.plot(conicity.amplitudes_mm, conicity.integration, color=INK, lw=1.5, label="integration of the motion")
     axes.plot(conicity.amplitudes_mm, conicity.regression, "--", color=GREY, lw=1.2, label="linear regression")
@@ -133,8 +134,8 @@ def conicity_figure(run: GeometryRun | ConicityRun, units: Units = "metric") -> 
 
 def pairs_figure(runs: Sequence[GeometryRun]) -> Figure:
     """Draw rolling radius difference and equivalent conicity of several pairs of profiles over each other."""
-    figure, ((left, right),) = panels(10.0, 5.0, 1, 2, runs[0].case.units)
-    figure.suptitle("Pairs of profiles", fontsize=10)
+    figure, ((left, right),) = panels(PAGE_IN, 3.6, 1, 2, runs[0].case.units)
+    figure.suptitle("Pairs of profiles", fontsize=9)
     rails = {name_of(run.case.track.rail) for run in runs}
     for run, colour in zip(runs, sequence_colours(len(runs)), strict=True):
         names = [name_of(run.case.wheelset.wheel), *([name_of(run.case.track.rail)] if len(rails) > 1 else [])]
@@ -253,7 +254,7 @@ def conicity_record(run: ConicityRun, command: str, units: Units = "metric") -> 
         "lateral position without a difference of the radii",
         lambda of: of.summary["lateral_without_difference_mm"],
         "mm",
-        "z.3f",
+        ".3f",
     )
     return Report(
         **_common(summary, command, units, (SUMMARY, CONICITY)),

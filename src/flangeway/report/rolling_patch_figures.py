@@ -9,7 +9,7 @@ from flangeway.cases.patch_quantities import CREEPAGES, FORCES, SPIN_MOMENT
 from flangeway.cases.rolling_patch_case import COMPONENTS, RollingPatchRun
 from flangeway.contact.rolling.fast_theories import TITLES, Theory
 from flangeway.quantities import numbers
-from flangeway.report.figures.drawing import GREY, INK, PURPLE, SERIES, legend_below, name_axes, panels
+from flangeway.report.figures.drawing import GREY, INK, PAGE_IN, PURPLE, SERIES, legend_below, name_axes, panels
 from flangeway.report.page.record import Figures, Picture
 from flangeway.report.patch_figures import rolling_figure
 from flangeway.report.patch_maps import ShownRolling
@@ -67,7 +67,7 @@ def section_figure(run: RollingPatchRun) -> Figure:
     across, along = contact.places
     limit = contact.friction.limits[0][:, None] * contact.pressures
     row, strip = (int(np.abs(centres).argmin()) for centres in (across, along))
-    figure, (both,) = panels(9.0, 3.7, 1, 2, run.case.units, sharey=True)
+    figure, (both,) = panels(PAGE_IN, 3.0, 1, 2, run.case.units, sharey=True)
     lines = (
         (along, limit[row], tractions[row], "z ahead"),
         (across, limit[:, strip], tractions[:, strip], "to the right"),
@@ -93,8 +93,8 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
     least = {"kN": ROUND_OFF * limit, "Nm": ROUND_OFF * limit * run.semi_axes[0]}
     every = [point for points in run.curve.values() for point in points]
     drawn = [force for force in FORCES if max(abs(force.value(point)) for point in every) > least[force.unit]]
-    width = max(3.7 * len(drawn), 6.5)
-    figure, (row,) = panels(width, 3.9, 1, len(drawn), run.case.units)
+    width = max(2.4 * len(drawn), 6.5)
+    figure, (row,) = panels(width, 3.3, 1, len(drawn), run.case.units)
     for axes, force in zip(row, drawn, strict=True):
         both = (creepage, force)
         curves = {theory: scale * [numbers(both, point) for point in points] for theory, points in run.curve.items()}

@@ -33,7 +33,7 @@ from flangeway.report.page.record import Picture
 from flangeway.report.scenes import part_numbers, warping_about_shear_centre
 from flangeway.types import Floats, Ints
 
-WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 3.4, 9.0
+WIDTH_IN, MIN_HEIGHT_IN, MAX_HEIGHT_IN = 7.2, 2.4, 4.2
 N_ARROWS, N_LEVELS = 18, 12
 TITLE_LETTERS = 60
 MIN_ARROW = 0.03  # length of the shortest arrow relative to that of the longest
@@ -68,7 +68,7 @@ def mesh_figure(run: SectionRun) -> Figure:
     axes.plot(*centroid, "o", ms=7, mfc="white", mec=INK, mew=1.4, ls="none", label="centroid")
     axes.plot(*shear_centre, "X", ms=9, mfc=INK, mec="white", mew=0.8, ls="none", label="shear centre")
     title = textwrap.shorten(run.drawn.title, TITLE_LETTERS, placeholder=" ...")
-    axes.set_title(f"{title}\n{mesh.n_cells} elements, principal axes 1 and 2", fontsize=10)
+    axes.set_title(f"{title}\n{mesh.n_cells} elements, principal axes 1 and 2", fontsize=9)
     legend_below(figure, 4)
     return figure
 
@@ -104,7 +104,7 @@ def shear_figure(run: SectionRun) -> Figure:
     scale: Style = {"angles": "xy", "scale_units": "xy", "scale": float(lengths.max()) / (1.3 * span)}
     axes.quiver(*mesh.cell_centroids[shown[long]].T, *arrows[long].T, **style, **scale)
     _frame(axes, run)
-    axes.set_title("Shear stress per torque", fontsize=10)
+    axes.set_title("Shear stress per torque", fontsize=9)
     colour_bar(shade, axes, "shear stress per torque", unit, shrink=0.85)
     return figure
 
@@ -136,7 +136,7 @@ def _contours(run: SectionRun, values: Floats, title: str, unit: str | None = No
     )
     _outline(axes, mesh)
     _frame(axes, run)
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title, fontsize=9)
     colour_bar(shade, axes, title.partition(",")[0], unit or f"{run.drawn.unit}²", shrink=0.85)
     return figure
 

@@ -82,6 +82,8 @@ def _pictures(run: SectionRun) -> Sequence[Picture]:
     return section_pictures(run)
 
 
+MIN_CM_AREA_MM2 = 1000.0
+"""Area from which a section drawn in mm has its constants in cm², cm³, cm⁴, cm⁶, as tables of profiles have them."""
 FACTS = (
     *("area_{u}2", "second_moments_{u}4 xx", "second_moments_{u}4 yy", "mass_per_metre_kg_m"),
     *("torsion_constant_{u}4", "warping_constant_{u}6", "max_shear_stress_per_torque_per_{u}3"),
@@ -97,6 +99,7 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
     if not constants.bounds_certain:
         bounds = ("from Prandtl's function", "from the warping function")
     keyed, stress = stress_key(run), run.stress_unit
+    torque_unit = "MPa/kNm" if unit == "mm" else "{u}⁻³"
     shown = (
         ("area_{u}2", "area", "{u}²", ".7g"),
         ("mass_per_metre_kg_m", f"mass per length, {steel}", "kg/m", ".4g"),
@@ -116,18 +119,22 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
         ("shear_centre_{u}", f"shear centre{f' for ν = {poisson:g}' * bool(poisson)} {{}}", "{u}", ".6g"),
         *([("shear_centre_trefftz_{u}", "shear centre by Trefftz {}", "{u}", ".6g")] if poisson else []),
         ("warping_constant_{u}6", "warping constant", "{u}⁶", ".7g"),
-        ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", "{u}⁻³", ".5g"),
+        ("max_shear_stress_per_torque_per_{u}3", "maximum shear stress per torque", torque_unit, ".5g"),
         (f"normal_stress_{keyed}", "normal stress, {}", stress, ".5g"),
         (f"max_shear_stress_{keyed}", "maximum shear stress", stress, ".5g"),
         (f"max_von_mises_{keyed}", "maximum von Mises stress", stress, ".5g"),
         ("max_von_mises_position_{u}", "  at {}", "{u}", ".6g"),
     )
     (ixx, iyy, _), (low, high) = constants.second_moments, constants.torsion_bounds
+    length, scale = ("cm", 0.1) if unit == "mm" and constants.area >= MIN_CM_AREA_MM2 else (unit, 1.0)
     numbers = run.summary | {
-        "principal_angle_deg": round(run.summary["principal_angle_deg"], 7) + 0.0,  # not -0
+        "principal_angle_deg": round(run.summary["principal_angle_deg"], 7),
         "half_gap": 0.5 * abs(high - low) / constants.torsion_constant,
     }
     least = {"{u}": 1e-7 * numbers[f"boundary_length_{unit}"], "{u}⁴": 1e-9 * math.sqrt(ixx * iyy)}
+    factors = {"MPa/kNm": 1e6} | {
+        f"{{u}}{sign}": scale**power for power, sign in {2: "²", 3: "³", 4: "⁴", 6: "⁶"}.items()
+    }
     quantities: list[Quantity[SectionRun]] = []
     for key, label, of, form in shown:
         value = numbers.get(key.format(u=unit))
@@ -135,9 +142,12 @@ def section_quantities(run: SectionRun, units: Units) -> list[Quantity[SectionRu
             names = {"principal_moments_{u}4": "12", f"normal_stress_{keyed}": ("minimum", "maximum")}
             value = dict(zip(names.get(key, "xy"), value, strict=True))
         for part, number in value.items() if isinstance(value, dict) else (("", value),):
-            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0)) + 0.0
+            shown_value = None if number is None else number * (abs(number) >= least.get(of, 0.0))
             words, name = label.format(part), f"{key} {part}".strip()
-            quantities.append(Quantity(name, words, partial(_same, shown_value), of.format(u=unit), form))
+            shown_unit = of.format(u=length if of in factors else unit)
+            quantities.append(
+                Quantity(name, words, partial(_same, shown_value), shown_unit, form, factor=factors.get(of, 1.0))
+            )
     return quantities
 
 

@@ -6,7 +6,7 @@ from functools import partial
 from matplotlib.figure import Figure
 
 from flangeway.cases.spatial_case import SpatialRun
-from flangeway.report.figures.drawing import panels
+from flangeway.report.figures.drawing import PAGE_IN, legend_below, name_axes, panels
 from flangeway.report.page.record import Picture
 from flangeway.report.patch_figures import draw_depths, maps_figure
 from flangeway.report.patch_maps import PatchMap
@@ -19,13 +19,14 @@ def patch_figure(run: SpatialRun) -> Figure:
 
 def depth_figure(run: SpatialRun) -> Figure:
     """Draw the stresses below the centre of the first patch in both bodies over the depth."""
-    figure, (both,) = panels(9.0, 4.6, 1, 2, run.case.units)
+    figure, (both,) = panels(PAGE_IN, 3.6, 1, 2, run.case.units)
     pair = run.contact.pair
     for axes, body, profile in zip(both, (pair.first, pair.second), run.profiles, strict=True):
         draw_depths(axes, profile)
-        axes.set_title(body.name, fontsize=10)
+        axes.set_title(body.name, fontsize=9)
         axes.set_ylim(float(run.profiles[0].depths[-1]), 0.0)
-    both[0].legend(loc="lower left", fontsize=8)
+    name_axes(both[0], y=("depth", "mm"))
+    legend_below(figure, 5)
     return figure
 
 

@@ -30,6 +30,7 @@ class Opened:
         if script:
             self.page.add_init_script(script)
         self.page.goto(path.as_uri())
+        self.page.evaluate("document.querySelectorAll('section > details').forEach((fold) => (fold.open = true))")
         self.page.wait_for_selector("#viewer:not([data-state=loading])", state="attached")
         self.canvas = self.page.locator("#viewer-canvas")
         if self.canvas.is_visible():

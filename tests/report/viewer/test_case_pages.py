@@ -114,7 +114,7 @@ def check_reading(path, key, found):
 def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     """Every field reads as in the VTU files and others look otherwise, without complaints and without network."""
     folder = folders(name)
-    opened = open_page(folder / "report.html")
+    opened = open_page(folder / "report.html", width=1152)
     assert opened.page.locator("#viewer").get_attribute("data-state") == "ready"
     box, first, seen = opened.canvas.bounding_box(), opened.shot(), set()
     keys = opened.fields()

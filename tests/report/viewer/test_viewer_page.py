@@ -11,7 +11,7 @@ def test_without_webgl_a_sentence_says_where_to_look(open_page, folder):
     message = opened.page.locator(".viewer-message")
     assert message.is_visible()
     assert "WebGL" in message.inner_text()
-    assert "figures below" in message.inner_text()
+    assert "pictures" in message.inner_text()
     assert not opened.page.locator(".viewer-body").is_visible()
     assert opened.page.locator("figure img").first.is_visible()
     assert opened.errors() == []

@@ -171,9 +171,9 @@ BODY: Quantities[BodyResult] = (
 )
 FORCES: Quantities[BodyResult] = (
     Quantity("body", "body", lambda body: body.field.problem.name),
-    Quantity("contact", "contact", lambda body: body.contact_force, "N", "z.6g", XY),
-    Quantity("loads", "loads", lambda body: body.load, "N", "z.6g", XY),
-    Quantity("supports", "supports", lambda body: body.supports_force, "N", "z.6g", XY),
+    Quantity("contact", "contact", lambda body: body.contact_force, "N", ".6g", XY),
+    Quantity("loads", "loads", lambda body: body.load, "N", ".6g", XY),
+    Quantity("supports", "supports", lambda body: body.supports_force, "N", ".6g", XY),
 )
 HALF_WIDTH: Quantity[PressurePatch] = Quantity(
     "half_width", "half width of contact", lambda patch: patch.half_width, "mm", ".6g"
@@ -188,11 +188,11 @@ AT_EDGE: Quantity[PressurePatch] = Quantity(
     "reaches_an_end", "reaches an end of the surface", lambda patch: patch.at_edge
 )
 PATCH: Quantities[PressurePatch] = (
-    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", "z.6g", XY),
+    Quantity("centre", "centre of pressure", lambda patch: patch.centre, "mm", ".6g", XY),
     HALF_WIDTH,
     PATCH_PRESSURE,
     REMARK,
-    Quantity("force", "force on the secondary body", lambda patch: patch.force, "N", "z.6g", XY),
+    Quantity("force", "force on the secondary body", lambda patch: patch.force, "N", ".6g", XY),
     AT_EDGE,
 )
 SIDES: Quantities[PairResult] = (
@@ -209,9 +209,9 @@ MAX_PRESSURE: Quantity[PairResult] = Quantity(
 )
 PAIR: Quantities[PairResult] = (
     *SIDES,
-    Quantity("force_on_secondary", "force on it", lambda pair: pair.solution.forces[pair.number], "N", "z.6g", XY),
+    Quantity("force_on_secondary", "force on it", lambda pair: pair.solution.forces[pair.number], "N", ".6g", XY),
     Quantity(
-        *("initial_penetration", "initial overlap"), lambda p: p.solution.initial_penetration[p.number], "mm", "z.6g"
+        *("initial_penetration", "initial overlap"), lambda p: p.solution.initial_penetration[p.number], "mm", ".6g"
     ),
     MAX_PRESSURE,
     REMARK,
@@ -225,7 +225,7 @@ DISSIPATED: Quantity[PairResult] = Quantity(
 FRICTION: Quantities[PairResult] = (
     *SIDES,
     Quantity("coefficient", "coefficient", lambda pair: pair.contact.friction_coefficient, form="g"),
-    Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", "z.6g"),
+    Quantity("tangential_force", "tangential force", lambda p: p.nodes["tangential_force"].sum(), "N", ".6g"),
     Quantity(
         *("max_traction", "maximum traction"), lambda p: np.abs(p.nodes["traction"]).max(initial=0.0), "MPa", ".6g"
     ),
@@ -241,7 +241,7 @@ FRICTION: Quantities[PairResult] = (
 REACTION: Quantities[SupportForce] = (
     Quantity("number", "support", lambda support: support.number, form="d"),
     Quantity("body", "body", lambda support: support.body),
-    Quantity("force", "force on it", lambda support: support.force, "N", "z.6g", XY),
+    Quantity("force", "force on it", lambda support: support.force, "N", ".6g", XY),
 )
 
 
@@ -451,7 +451,7 @@ class TwoBodiesCase(BodiesProblem, BodiesCase):
         if push is not None:
             return (
                 Quantity("pushed_body", "pushed body", lambda _: push.parts[0].name),
-                Quantity("push", "push", lambda _: push.load[:2], "N", "z.6g", XY),
+                Quantity("push", "push", lambda _: push.load[:2], "N", ".6g", XY),
                 Quantity("pushed", "displacement by the push", lambda run: run.pushed_mm, "mm", ".6g"),
             )
         bodies = [part.body for part in run.contact.system.parts]
@@ -460,7 +460,7 @@ class TwoBodiesCase(BodiesProblem, BodiesCase):
             return ()
         return (
             Quantity("sliding_body", "sliding body", lambda _: sliding[0]),
-            Quantity("slid", "its displacement", lambda r: r.shift(sliding[0]), "mm", "z.6g", XY),
+            Quantity("slid", "its displacement", lambda r: r.shift(sliding[0]), "mm", ".6g", XY),
         )
 
     def _pressed(self, model: BodiesModel, progress: Progress) -> ContactSolution:

@@ -131,15 +131,15 @@ MAX_UNCERTAINTY_MM = 0.02
 ACCURACY_OF_CELLS = "friction balances here within the accuracy of the cells"
 
 LATERAL: Quantity[AnyResult] = Quantity(
-    "lateral", "lateral position of the axle", lambda result: result.equilibrium.position.lateral_mm, "mm", "z.3f"
+    "lateral", "lateral position of the axle", lambda result: result.equilibrium.position.lateral_mm, "mm", ".3f"
 )
 APPROACH: Quantity[AnyResult] = Quantity(
-    "approach", "approach after first touch", lambda result: result.approach_mm, "mm", "z.4f"
+    "approach", "approach after first touch", lambda result: result.approach_mm, "mm", ".4f"
 )
 MOTION: Quantities[AnyResult] = (
     LATERAL,
-    Quantity("vertical", "vertical position", lambda result: result.equilibrium.position.vertical_mm, "mm", "z.4f"),
-    Quantity("roll", "roll", lambda result: result.equilibrium.position.roll_rad, "mrad", "z.3f", factor=1e3),
+    Quantity("vertical", "vertical position", lambda result: result.equilibrium.position.vertical_mm, "mm", ".4f"),
+    Quantity("roll", "roll", lambda result: result.equilibrium.position.roll_rad, "mrad", ".3f", factor=1e3),
 )
 POSITION: Quantities[AnyResult] = (
     *MOTION,
@@ -168,7 +168,7 @@ LOAD: Quantities[WheelsetLoad] = (
     Quantity("tilt", "", lambda load: load.tilt_rad, "rad", meaning="tilt of the track"),
     Quantity("onto_track", "load normal to the track plane", lambda load: load.in_track[1], "kN", ".3f", factor=1e-3),
     Quantity(
-        "lateral_in_track", "load parallel to the track plane", lambda load: load.in_track[0], "kN", "z.3f", factor=1e-3
+        "lateral_in_track", "load parallel to the track plane", lambda load: load.in_track[0], "kN", ".3f", factor=1e-3
     ),
 )
 RESIDUAL: Quantities[RelativeResiduals] = (
@@ -184,8 +184,8 @@ RESIDUAL: Quantities[RelativeResiduals] = (
 def _forces_on_wheel(of: Callable[[Any], Floats]) -> Quantities[Any]:
     """Lateral and vertical force that the rail exerts on the wheel, from the function of its components, N."""
     return (
-        Quantity("lateral_force", "lateral force on the wheel", lambda it: of(it)[0], "kN", "z.3f", factor=1e-3),
-        Quantity("vertical_force", "vertical force on the wheel", lambda it: of(it)[1], "kN", "z.3f", factor=1e-3),
+        Quantity("lateral_force", "lateral force on the wheel", lambda it: of(it)[0], "kN", ".3f", factor=1e-3),
+        Quantity("vertical_force", "vertical force on the wheel", lambda it: of(it)[1], "kN", ".3f", factor=1e-3),
     )
 
 
@@ -202,10 +202,10 @@ CONTACT_ANGLE: Quantity[AnyPatch] = Quantity(
     "contact_angle", "contact angle", lambda patch: math.degrees(patch.contact_angle_rad), "deg", ".2f"
 )
 ON_RAIL: Quantity[AnyPatch] = Quantity(
-    "rail_position", "position on the rail", lambda patch: patch.rail_point_mm, "mm", "z.2f", XY
+    "rail_position", "position on the rail", lambda patch: patch.rail_point_mm, "mm", ".2f", XY
 )
 ON_WHEEL: Quantity[AnyPatch] = Quantity(
-    "wheel_position", "position on the wheel", lambda patch: patch.wheel_point_mm, "mm", "z.2f", XY
+    "wheel_position", "position on the wheel", lambda patch: patch.wheel_point_mm, "mm", ".2f", XY
 )
 REMARK: Quantity[AnyPatch] = Quantity(
     "max_pressure_remark", "", lambda patch: patch.remark, meaning="why it is approximate"
@@ -236,7 +236,7 @@ PLANE_MAIN: Quantities[WheelRailPatch] = (
     ON_WHEEL,
 )
 PLANE_FURTHER: Quantities[WheelRailPatch] = (
-    Quantity("track_position", "position in the track", lambda patch: patch.centre, "mm", "z.2f", XY),
+    Quantity("track_position", "position in the track", lambda patch: patch.centre, "mm", ".2f", XY),
     Quantity("pressure_oscillation", "pressure oscillation", lambda patch: patch.oscillation, form=".2%"),
     Quantity("nodes", "nodes in contact", lambda p: len(p.normal_forces), form="d"),
     *(
@@ -302,10 +302,10 @@ def _creep(*quantities: Quantity[CreepState]) -> Quantities[WheelPatch]:
 
 
 POSITION_ALONG: Quantity[WheelPatch] = Quantity(
-    "track_position", "position in the track", lambda patch: patch.centre_mm, "mm", "z.2f", XYZ
+    "track_position", "position in the track", lambda patch: patch.centre_mm, "mm", ".2f", XYZ
 )
 LONGITUDINAL: Quantity[WheelPatch] = Quantity(
-    "longitudinal_position", "longitudinal position", lambda patch: patch.centre_mm[2], "mm", "z.2f"
+    "longitudinal_position", "longitudinal position", lambda patch: patch.centre_mm[2], "mm", ".2f"
 )
 LOAD_FACTOR: Quantity[WheelPatch] = Quantity(
     "pressure_over_shear_strength", "p0/k (load factor)", lambda patch: patch.load_factor, form=".2f"
@@ -378,7 +378,7 @@ GAUGE_DEPTH: Quantity[WheelResult] = Quantity(
     ".2f",
 )
 RATIO: Quantity[WheelResult] = Quantity(
-    "lateral_over_vertical", "L/V", lambda wheel: wheel.lateral_over_vertical, form="z.4f"
+    "lateral_over_vertical", "L/V", lambda wheel: wheel.lateral_over_vertical, form=".4f"
 )
 WHEEL: Quantities[WheelResult] = (
     Quantity("n_patches", "patches", lambda w: len(w.patches), form="d"),
@@ -388,12 +388,12 @@ WHEEL: Quantities[WheelResult] = (
     GAUGE_DEPTH,
 )
 GAUGE: Quantity[SpatialWheelResult] = Quantity(
-    "gauge_outward", "gauge-face deflection", lambda wheel: wheel.head[3], "mm", "z.3f"
+    "gauge_outward", "gauge-face deflection", lambda wheel: wheel.head[3], "mm", ".3f"
 )
 HEAD: Quantities[SpatialWheelResult] = (
-    Quantity("head_lateral", "railhead lateral displacement", lambda wheel: wheel.head[0], "mm", "z.3f"),
-    Quantity("head_vertical", "  up", lambda wheel: wheel.head[1], "mm", "z.3f"),
-    Quantity("head_roll", "  roll", lambda wheel: wheel.head[2], "mrad", "z.3f", factor=1e3),
+    Quantity("head_lateral", "railhead lateral displacement", lambda wheel: wheel.head[0], "mm", ".3f"),
+    Quantity("head_vertical", "  up", lambda wheel: wheel.head[1], "mm", ".3f"),
+    Quantity("head_roll", "  roll", lambda wheel: wheel.head[2], "mrad", ".3f", factor=1e3),
     GAUGE,
 )
 NADAL_FRACTION: Quantity[SpatialWheelResult] = Quantity(
@@ -477,13 +477,13 @@ ROLLING: Quantities[SpatialResult] = (
     *of_part(
         _rolled,
         Quantity("rate", "rotation", lambda rolled: rolled.rate_rad_s, "rad/s", ".4f"),
-        Quantity("yaw", "yaw", lambda rolled: rolled.yaw_rad, "mrad", "z.3f", factor=1e3),
+        Quantity("yaw", "yaw", lambda rolled: rolled.yaw_rad, "mrad", ".3f", factor=1e3),
         Quantity(
             "yaw_moment",
             "yaw moment from contact forces",
             lambda rolled: rolled.yaw_moment_Nmm,
             "kNm",
-            "z.3f",
+            ".3f",
             factor=1e-6,
             meaning="on the wheelset, counter-clockwise from above",
         ),
@@ -492,7 +492,7 @@ ROLLING: Quantities[SpatialResult] = (
             "torque on the axle",
             lambda rolled: rolled.torque_Nmm,
             "kNm",
-            "z.3f",
+            ".3f",
             factor=-1e-6,
         ),
     ),
@@ -501,7 +501,7 @@ ROLLING: Quantities[SpatialResult] = (
         "traction",
         lambda result: 1e-3 * sum(float(patch.creep_force_on_wheel_N[2]) for patch in result.patches),
         "kN",
-        "z.3f",
+        ".3f",
     ),
     Quantity("t_gamma", "T-gamma of all patches", lambda r: sum(creep.t_gamma_N for _, creep in r.rolling), "N", ".1f"),
     Quantity("power", "frictional power", lambda r: sum(creep.power_W for _, creep in r.rolling), "W", ".0f"),

@@ -34,7 +34,9 @@ from flangeway.units import Units, UsUnit, us_unit
 # `flangeway.quantities.measured`.
 
 
-DPI = 160
+PAGE_IN = 7.25
+"""Width of the widest picture: A4 has room for it between the margins, and its letters are printed in their size."""
+DPI = 240
 INK, GREY, LIGHT, PURPLE = "#1a1a1a", "#777777", "#dddddd", "#8b1a8b"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Colours of lines and points one after the other: those of Okabe and Ito (2008), which the colour-blind can tell."""
@@ -72,7 +74,8 @@ def new_figure(width_in: float, height_in: float, units: Units = "metric", *, co
 
     - `compressed`: whether axes of one scale stand close together, and colour bars are as high as what is drawn.
     """
-    figure = ShownFigure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    size = min(1.0, PAGE_IN / width_in) * np.array([width_in, height_in])
+    figure = ShownFigure(figsize=size.tolist(), dpi=DPI, facecolor="white")
     figure.units = units
     figure.set_layout_engine("compressed" if compressed else "constrained")
     FigureCanvasAgg(figure)
@@ -136,12 +139,13 @@ def name_axis(axis: Axis, words: str, unit: str = "") -> None:
 
     - `words`: what the data is; empty where another axis in the same direction says it, and only ticks are set.
     """
+    axis.set_tick_params(labelsize=8.0)
     other = us_unit(unit) if unit and units_of(axis.axes) == "us" else None
     if other is not None and axis.get_scale() == "linear":
         axis.set_major_locator(UsLocator(other))
         axis.set_major_formatter(UsFormatter(other))
     if words:
-        axis.set_label_text(with_unit(words, other.name if other else unit))
+        axis.set_label_text(with_unit(words, other.name if other else unit), fontsize=8.5)
 
 
 def name_axes(axes: Axes, x: tuple[str, str] | str = "", y: tuple[str, str] | str = "") -> None:
@@ -253,7 +257,7 @@ ERRORS = {"residual": "residual relative to the total force", "change": "change 
 
 def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
     """Draw residual and change of all iterations, load step by load step."""
-    figure, ((axes,),) = panels(13.0, 4.0)
+    figure, ((axes,),) = panels(PAGE_IN, 2.8)
     start = 1
     for history in (state.history for _, state in steps):
         at = np.arange(start, start + len(history))

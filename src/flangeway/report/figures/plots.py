@@ -33,6 +33,7 @@ from flangeway.report.figures.drawing import (
     HERTZ,
     INK,
     NODES,
+    PAGE_IN,
     SERIES,
     Style,
     colour_bar,
@@ -137,9 +138,9 @@ def line_width(mesh: PolyMesh) -> float:
 
 COLOUR_QUANTILE = 0.999
 """Fraction of the values within the range of colours: stresses at sharp corners are singular."""
-MAX_HEIGHT_IN, MIN_HEIGHT_IN, MAX_WIDTH_IN = 5.0, 1.6, 11.0
+MAX_HEIGHT_IN, MIN_HEIGHT_IN, MAX_WIDTH_IN = 3.4, 1.2, 5.0
 """Of panels: height, least height of all, width of all."""
-LABELS_IN, BAR_IN = 0.8, 1.0
+LABELS_IN, BAR_IN = 0.75, 0.8
 """For the labels of a panel and its title, and for the bar of colours."""
 
 
@@ -172,7 +173,7 @@ def pressure_curves(
     patches: Iterable[tuple[str, PressurePatch, LineContact | None]], units: Units = "metric"
 ) -> Figure:
     """Draw the pressures of the nodes along named regions of contact, with Hertz's where there are."""
-    figure, ((axes,),) = panels(8.0, 4.5, units=units)
+    figure, ((axes,),) = panels(PAGE_IN, 3.6, units=units)
     for number, (name, patch, hertz) in enumerate(patches):
         colour = SERIES[number % len(SERIES)]
         maximum = marked(measured(float(patch.pressures.max()), "MPa", units), patch.remark)
@@ -389,10 +390,10 @@ def _(result: TorsionSolution, **options: Any) -> Figure:
 @plot_result.register
 def _(result: ContactSolution, **options: Any) -> Figure:
     parts = result.system.parts
-    figure = new_figure(8.0, 5.5)
+    figure = new_figure(PAGE_IN, 4.2)
     for axes, part in zip(figure.subplots(1, len(parts), squeeze=False)[0], parts, strict=True):
         plot_stress(result.field(part), axes=axes, **options)
-        axes.set_title(part.name, fontsize=10)
+        axes.set_title(part.name, fontsize=9)
     return figure
 
 
@@ -404,7 +405,7 @@ def _(result: Result) -> Figure:
     columns = result.table.columns
     over = next(name for name in ("distance", "along", "cells") if name in columns)
     curves = ("xx", "yy", "xy", "zz", "von_mises") if over == "distance" else list(columns)[-1:]
-    figure, ((axes,),) = panels(8.0, 4.5)
+    figure, ((axes,),) = panels(PAGE_IN, 3.6)
     for name in curves:
         axes.plot(columns[over], columns[name], label=named(name)[0], **({"lw": 1.4} if over == "distance" else NODES))
     name_axes(axes, over, "stress" if len(curves) > 1 else named(curves[0])[0])
@@ -434,7 +435,7 @@ def _stress_name(quantity: Quantity) -> str:
 
 
 def _prepared(axes: Axes | None, length_unit: str | None) -> Axes:
-    axes = axes or new_figure(8.0, 5.5, compressed=True).subplots()
+    axes = axes or new_figure(PAGE_IN, 4.2, compressed=True).subplots()
     axes.set_aspect("equal", adjustable="box")
     axes.set(xlabel=with_unit("x", length_unit), ylabel=with_unit("y", length_unit))
     return axes
@@ -472,7 +473,7 @@ def _deformed(
     """Return a body with its displacements multiplied, and axes with the dashed outline before, if it moves."""
     axes, scale, space = _prepared(axes, length_unit), _factor(solution, factor), solution.space
     if scale:
-        axes.set_title(f"deformation x{scale:.3g}", fontsize=10)
+        axes.set_title(f"deformation x{scale:.3g}", fontsize=9)
         rim = as_polylines(space.mesh)
         draw_lines(axes, rim.points[rim.boundary_edges], GREY, 0.9, ls=(0, (4, 2)))
     return DrawnBody(solution, lambda points, moved: points + scale * moved, _pieces(space)), axes

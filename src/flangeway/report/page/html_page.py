@@ -167,11 +167,11 @@ def command_line(case: RunnableCase) -> str:
 # --- The report, one HTML page with all pictures inside that needs no network, and the other files of a record.
 
 
-PAGE_LETTERS, HALF_LETTERS = 98, 48
-"""Letters beside each other on a page of A4, and on half of one, of the widest usual font (0.64 em, 8 pt)."""
+PAGE_LETTERS, HALF_LETTERS, BESIDE_LETTERS = 98, 48, 64
+"""Letters beside each other on A4, on half of it (widest usual font, 0.64 em, 8 pt), and beside a picture."""
 LABEL_LETTERS, SHORT_LETTERS, GAP_LETTERS = 24, 12, 2
 """Letters of a line of row names, of cells that do not break, and between columns."""
-SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
+SHOWN_SIZE = 96.0 / 240.0  # pixels of the page for one of a picture: in its size, as it is printed
 NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–%]+")
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
@@ -186,11 +186,12 @@ def report_page(record: Report, drawn: Drawn = (), timings_s: Mapping[str, float
     return _template("page.html").render(
         record=record,
         drawn=drawn,
+        beside=BESIDE_LETTERS,
         tables=[*record.tables, *([timings_table(times)] if times else [])],
         viewer=Markup(
             field_viewer(
                 record.scene().in_units(record.units),
-                "The figures above and the figures below show the most important fields." if drawn else "",
+                "The pictures above show the most important fields." if drawn else "",
             )
         )
         if record.scene
@@ -282,7 +283,7 @@ def _template(name: str) -> Template:
     filters["printed"] = printed_parts
     environment = templates("flangeway.report.page", markup=True, **filters)
     environment.tests["words"] = lambda text: not NUMBER_CELL.fullmatch(text)
-    environment.tests["narrow"] = lambda table: sum(_widths(table)) <= HALF_LETTERS
+    environment.tests["narrow"] = lambda table, letters=HALF_LETTERS: sum(_widths(table)) <= letters
     return environment.get_template(name)
 
 

@@ -248,7 +248,6 @@ class Report:
     again: Again  # how to compute it again
     versions: Mapping[str, str] = field(default_factory=versions)  # versions of what it was made with, by name
     units: Units = "metric"  # units of tables, pictures and CSV files
-    sentences: Sequence[str] = ()  # further sentences of the summary
     warnings: Sequence[str] = ()
     notes: Sequence[str] = ()  # what was repaired, assumed or left out of what was given
     assumptions: Sequence[str] = ()  # sentences on the model

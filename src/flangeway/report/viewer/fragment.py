@@ -64,7 +64,7 @@ def field_viewer(scene: Scene, instead: str = "") -> str:
         f'<script type="application/json" id="viewer-header">{json_in_script(header)}</script>\n'
         f'<script type="text/plain" id="viewer-data">{data}</script>\n'
         f"<script>\n/*\n{_text('libraries/LICENCES.txt')}*/\n{_text('libraries/libraries.min.js')}</script>\n"
-        f'<script>\n(() => {{\n"use strict";\n{program}\nstartViewer();\n}})();\n</script>\n'
+        f'<script>\n(() => {{\n"use strict";\n{program}\nstartWhenShown();\n}})();\n</script>\n'
     )
 
 

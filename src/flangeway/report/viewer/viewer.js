@@ -400,3 +400,10 @@ async function startViewer() {
     fail(`The interactive picture could not be made: ${error.message}.`);
   }
 }
+
+// Within a fold it starts when that is opened: a hidden picture has no size.
+function startWhenShown() {
+  const fold = document.getElementById("viewer").closest("details:not([open])");
+  if (fold) fold.addEventListener("toggle", startViewer, { once: true });
+  else startViewer();
+}

@@ -24,11 +24,13 @@ from flangeway.report.figures.drawing import (
     GREY,
     HALO,
     INK,
+    PAGE_IN,
     PURPLE,
     SIDE_COLOURS,
     Style,
     colour_bar,
     equal_axes,
+    legend_below,
     name_axes,
     new_figure,
     panels,
@@ -78,7 +80,7 @@ def _section(
 ) -> Figure:
     """Both sides: outlines of rail and wheel, and what is under pressure."""
     highest = max((patch.max_pressure for patch in run.patches), default=1.0)
-    figure, (both,) = panels(11.0, 5.9, 1, 2, run.case.units)
+    figure, (both,) = panels(PAGE_IN, 3.2, 1, 2, run.case.units)
     for axes, side in zip(both, SIDES, strict=True):
         axes.grid(visible=False)
         bodies = outlines(side)
@@ -90,11 +92,11 @@ def _section(
             axes.plot(*ordinates.T, color=PURPLE, lw=0.9)
         _draw_forces(axes, [patch for patch in run.patches if patch.side == side])
         equal_axes(axes, _view(bodies[0], side))
-        axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
+        axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=9)
     track = run.problem.track
     inclination = f"rail inclination 1:{1.0 / track.inclination:g}" if track.inclination else "upright"
     figure.suptitle(
-        f"{run.problem.wheels.wheel_of('right').title} on {track.rail_of('right').title}, {inclination}", fontsize=10
+        f"{run.problem.wheels.wheel_of('right').title} on {track.rail_of('right').title}, {inclination}", fontsize=9
     )
     return figure
 
@@ -166,7 +168,7 @@ def contact_figure(run: PlaneWheelsetRun) -> Figure:
     windows = [box([np.atleast_2d(patch.centre)], WINDOW * patch.half_width) for patch in patches]
     figure, zones = stress_panels(list(drawn_parts(run.result).values()), windows, run.case.units)
     for axes, name in zip(zones, run.patch_names, strict=True):
-        axes.set_title(name, fontsize=10)
+        axes.set_title(name, fontsize=9)
     return figure
 
 
@@ -187,10 +189,10 @@ def pressures_figure(result: SpatialResult, units: Units = "metric") -> Figure:
     figure, both = maps_figure(maps, "across the rail, from its middle", "z ahead of the axle", units)
     for axes, side, shown in zip(both, SIDES, maps, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
-        axes.set_title(f"{side} rail".capitalize(), fontsize=10)
+        axes.set_title(f"{side} rail".capitalize(), fontsize=9)
         words = ("← field side", "gauge side →") if side == "left" else ("← gauge side", "field side →")
         for x, word, end in zip((0.01, 0.99), words, ("left", "right"), strict=True):
-            axes.text(x, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY, ha=end)
+            axes.text(x, 0.99, word, transform=axes.transAxes, fontsize=8, va="top", color=GREY, ha=end)
         if not shown.patches:
             axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
     return figure
@@ -200,7 +202,7 @@ def stresses_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw the von Mises stress below each patch across and along the track, and stresses over its maximum's depth."""
     lines, units = lines_below(run.result), run.case.units
     several = len({role for _, role in lines}) > 1
-    figure = new_figure(12.5, 0.7 + 3.3 * max(len(lines), 1), units)
+    figure = new_figure(PAGE_IN, min(0.5 + 1.9 * max(len(lines), 1), 4.2), units)
     rows = figure.subplots(max(len(lines), 1), 3, squeeze=False)
     for row, (patch, role) in zip(rows, lines, strict=False):
         field = patch.stress_fields[role]
@@ -209,7 +211,7 @@ def stresses_figure(run: SpatialWheelsetRun) -> Figure:
         across, values = shown.across(field.along), field.von_mises
         deepest = min(field.depths[-1], DEPTH_OF_WIDTH * float(np.ptp(across)))
         cuts = (
-            (across, values[:, :, at[2]], across[at[0]], "length along the rail's surface"),
+            (across, values[:, :, at[2]], across[at[0]], "across, along the surface"),
             (field.z, values[:, at[0]], field.z[at[2]], "z ahead of the axle"),
         )
         for axes, (positions, cut, middle, words) in zip(row, cuts, strict=False):
@@ -218,19 +220,20 @@ def stresses_figure(run: SpatialWheelsetRun) -> Figure:
             axes.contourf(positions[order], field.depths, cut[:, order], levels, cmap=COLOURS, extend="max")
             axes.plot(middle, highest.position[1], "+", color="white", ms=9)
             axes.set_aspect("equal", adjustable="box")
-            name_axes(axes, (words, "mm"))
-        colour_bar(shade_of(values, (0.0, highest.value)), row[1], "von Mises stress", "MPa")
+            name_axes(axes, (words if row[0] is rows[-1, 0] else "", "mm"))
+        colour_bar(shade_of(values, (0.0, highest.value)), row[1], "von Mises", "MPa")
         draw_depths(row[2], field.column(at))
         for axes in row:
             axes.set_ylim(deepest, 0.0)
-            name_axes(axes, y=("depth", "mm"))
+            name_axes(axes, y=("depth" if axes is row[0] else "", "mm"))
+        if row[0] is not rows[-1, 0]:
+            row[2].set_xlabel("")
         name = (f"{role}: {patch_name(patch)}" if several else patch_name(patch)).capitalize()
         maximum = measured(highest.value, "MPa", units, ".0f")
         titles = f"{name}: across", f"Along the track, maximum {maximum}", "Below the maximum"
         for axes, title in zip(row, titles, strict=True):
-            axes.set_title(title, fontsize=10)
-    if lines:
-        rows[0, 2].legend(loc="lower left", fontsize=8)
+            axes.set_title(title, fontsize=9)
+    legend_below(figure, 5)
     return figure
 
 
@@ -273,9 +276,9 @@ STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one lin
 
 
 LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
-    ("top of the rail down", "mm", lambda rail: -rail.head[:, 1]),
-    ("gauge face outwards", "mm", lambda rail: rail.gauge_outward_mm),
-    ("stress under the foot", "MPa", foot_stresses),
+    ("rail-top\ndeflection", "mm", lambda rail: -rail.head[:, 1]),
+    ("gauge-face\ndeflection", "mm", lambda rail: rail.gauge_outward_mm),
+    ("stress under\nthe foot", "MPa", foot_stresses),
 )
 """What is drawn along the track, one panel each."""
 
@@ -283,7 +286,7 @@ LINES: tuple[tuple[str, str, Callable[[RailAlongTrack], Floats]], ...] = (
 def rails_figure(run: SpatialWheelsetRun) -> Figure:
     """Draw deflection, gauge face and stress under the foot of both rails along the track, and sleepers with forces."""
     rails, units = run.result.rails, run.case.units
-    figure, rows = panels(9.0, 7.0, len(LINES), 1, units, sharex=True)
+    figure, rows = panels(PAGE_IN, 4.2, len(LINES), 1, units, sharex=True)
     for axes, (words, unit, values) in zip(rows[:, 0], LINES, strict=True):
         for side, rail in rails.items():
             style: Style = {"color": SIDE_COLOURS[side], "ls": STYLES[side], "lw": 1.5, "label": f"{side} rail"}
@@ -300,7 +303,7 @@ def rails_figure(run: SpatialWheelsetRun) -> Figure:
             seats = (rail.reactions[number, 1] / 1e3 for rail in rails.values())
             forces = " / ".join(f"{kip.of(seat):z.1f}" if kip else f"{seat:z.0f}" for seat in seats)
             words_at: Style = {"xycoords": ("data", "axes fraction"), "ha": "center"}
-            top.annotate(forces, (z / 1e3, 1.02), fontsize=7, color=INK, **words_at)
+            top.annotate(forces, (z / 1e3, 1.02), fontsize=8, color=INK, **words_at)
     if len(first.sleepers_mm):
         words = f"forces of the sleepers on the left / right rail, {kip.name if kip else 'kN'}"
         top.set_title(words, fontsize=9, pad=16, loc="left")

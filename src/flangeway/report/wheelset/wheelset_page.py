@@ -251,6 +251,7 @@ PLANE_FILES = (
     "with all four parts."
 )
 TRACK_AXES = {
+    "position": REFERENCE,
     "space": (
         "The track's axes: x across the track to the right, y up from its plane; origin in the middle of the track at "
         "the top of the rails; roll counter-clockwise about the axle's middle. Superelevation turns them in space."
@@ -328,7 +329,6 @@ def _shared(run: AnyWheelsetRun) -> dict[str, Any]:
     """What the report has of both kinds."""
     return {
         "results": results_table(run),
-        "sentences": [REFERENCE],
         "warnings": run.warnings,
         "assumptions": run.case.assumptions(run.result),
     }
