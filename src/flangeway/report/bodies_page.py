@@ -20,23 +20,18 @@ from flangeway.cases.bodies.bodies_run import (
 )
 from flangeway.elements import Element, Lagrange
 from flangeway.geometry import Placement
-from flangeway.materials import Elastic, Material
 from flangeway.report.figures.display import write_collection, write_contacts
 from flangeway.report.page.html_page import run_record
 from flangeway.report.page.record import Picture, Report, SummaryTable, fact, rows_of, table_across, table_of
 from flangeway.report.scenes import BodySteps, bodies_fields, bodies_scene, body_steps, steps_table
 from flangeway.space import Space
 from flangeway.system.output_folder import Writer
+from flangeway.system.templates import sentences
 
 # --- Report, files and terminal summary of a case of bodies that are pressed, pulled and held.
 
 
 MAX_FACTS = 6  # numbers of the case at the top of the page
-HYPOTHESES = {
-    "plane_strain": "Plane strain: no strain out of the plane.",
-    "plane_stress": "Plane stress: no stress out of the plane.",
-    "axisymmetric": "Axisymmetric: x is the radius, y the axis.",
-}
 AXES = {
     "x, y": "to the right and up",
     "stresses": "tension is positive; the axes are those of the picture",
@@ -127,32 +122,11 @@ def _element_words(space: Space) -> str:
 
 def _assumptions(run: BodiesRun) -> list[str]:
     problems = [body.field.problem for body in run.bodies.values()]
-    materials: dict[Material, None] = dict.fromkeys(material for problem in problems for material in problem.materials)
-    thicknesses = sorted({problem.thickness for problem in problems})
-    sentences = [
-        *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
-        f"Thickness {', '.join(f'{thickness:.4g}' for thickness in thicknesses)} mm: forces refer to this length out "
-        "of the plane.",
-        *(
-            f"Linear elastic, isotropic: Young's modulus {material.young:.6g} MPa, Poisson's ratio "
-            f"{material.poisson:g}; no yielding, however high the stress."
-            for material in materials
-            if isinstance(material, Elastic)
-        ),
-        "Small strains. Stresses at re-entrant corners and under point forces are singular: they grow with refinement.",
-    ]
-    if run.contact is None:
-        return sentences
-    pairs = "; ".join(
-        f"{contact.primary.part.name} is the primary surface for {contact.secondary.part.name}"
-        for contact in run.contact.system.contacts
+    materials = dict.fromkeys(material for problem in problems for material in problem.materials)
+    contacts = run.contact.system.contacts if run.contact is not None else ()
+    return sentences(
+        "flangeway.report", "bodies_assumptions.txt", problems=problems, materials=materials, contacts=contacts
     )
-    coefficients = {contact.friction_coefficient for contact in run.contact.system.contacts}
-    law = "Frictionless contact."
-    if any(coefficients):
-        values = " and ".join(f"{coefficient:g}" for coefficient in sorted(coefficients))
-        law = f"Coulomb's friction, coefficient {values}."
-    return [*sentences, law, f"Contact pairs: {pairs}."]
 
 
 def results_table(run: BodiesRun) -> SummaryTable:

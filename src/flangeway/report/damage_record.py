@@ -17,6 +17,7 @@ from flangeway.report.figures.drawing import PAGE_IN, SERIES, legend_below, name
 from flangeway.report.page.record import Again, Picture, Report, SummaryTable, named, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
+from flangeway.system.templates import sentences
 from flangeway.units import Units
 
 # --- What an evolution of profiles found: profiles over distance, where they wear and crack, and their limits.
@@ -127,29 +128,14 @@ def _whose(evolution: Evolution, role: str, side: str) -> str:
 
 
 def _assumptions(inputs: DamageInputs) -> list[str]:
-    evolution, settings = inputs.evolution, inputs.evolution.settings
-    assumptions = [f"Wear of the {role}: {law.name}." for role, law in evolution.laws.items()]
-    if inputs.collective:
-        assumptions.insert(
-            0,
-            f"The bundled collective {inputs.collective} is assumed: its shares, radii and speeds are no measurements.",
-        )
-    theories = {state.problem.rolling.theory for state in evolution.collective.states if state.problem.rolling}
-    assumptions += [
-        f"Creep forces by the theory {', '.join(sorted(theories))}; T-gamma and wear depend on it.",
-        "Each wheel wears alike around its circumference, each rail alike under all axles.",
-        (
-            f"Increments of the depth are filtered by a Gaussian of {settings.filter_mm:g} mm; a step is "
-            f"{settings.max_depth_mm:g} mm deep at most, with an estimated error of {settings.max_error_mm:g} mm "
-            "at most."
-        ),
-        "T-gamma damage is that of the Whole Life Rail Model; steel does not yield in the contact.",
-    ]
-    if "fastsim" in theories:
-        assumptions.append("FASTSIM takes a patch for one ellipse: wear jumps where a wide patch splits in two.")
-    if not evolution.collective.separate:
-        assumptions.append("Wheels of both sides wear alike, and so do both rails: the mean of both sides.")
-    return assumptions
+    rolling = [state.problem.rolling for state in inputs.evolution.collective.states]
+    return sentences(
+        "flangeway.report",
+        "damage_assumptions.txt",
+        collective=inputs.collective,
+        evolution=inputs.evolution,
+        theories=sorted({motion.theory for motion in rolling if motion}),
+    )
 
 
 def _states(steps: Sequence[EvolutionStep], units: Units) -> SummaryTable:

@@ -18,3 +18,9 @@ def templates(package: str, *, markup: bool, **filters: Callable[..., Any]) -> E
     )
     environment.filters |= filters
     return environment
+
+
+def sentences(package: str, name: str, **values: Any) -> list[str]:
+    """Return the sentences of a template that is filled in, one from each of its lines that is not empty."""
+    lines = templates(package, markup=False).get_template(name).render(**values).splitlines()
+    return [line.strip() for line in lines if line.strip()]

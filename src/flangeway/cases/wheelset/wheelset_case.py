@@ -49,10 +49,8 @@ from flangeway.cases.wheelset.wheelset_quantities import (
 from flangeway.contact.patch.patch_contact import MAX_PARABOLOID_DISTANCE
 from flangeway.contact.rolling.fast_theories import Theory
 from flangeway.errors import InputError, located
-from flangeway.materials import Elastic
 from flangeway.quantities import Quantity, column_names, numbers, present, values
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.track.supports import Continuous, Fixed, RigidAxle, RimSection, Sleepers
 from flangeway.railway.track.wheelset_problem import Plane, WheelsetProblem
 from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset, WheelsetResult, solve_condensed, solve_wheelset
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
@@ -61,6 +59,7 @@ from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
+from flangeway.system.templates import sentences
 from flangeway.types import Progress
 
 # --- What a run found, in three dimensions or in the plane.
@@ -224,14 +223,6 @@ AnyWheelsetRun = PlaneWheelsetRun | SpatialWheelsetRun
 # --- The case.
 
 
-HERTZ = (
-    "Hertz's theory is left out where the curvatures vary within a patch: where the gap deviates from a paraboloid by "
-    f"more than {100.0 * MAX_PARABOLOID_DISTANCE:g} % of its height."
-)
-CONFORMING = (
-    "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
-    "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
-)
 THEORIES: dict[Theory, str] = {
     "exact": "the exact theory on the bodies",
     "fastsim": "FASTSIM",
@@ -362,78 +353,14 @@ class Wheelset(WheelsetProblem, RunnableCase):
 
     def assumptions(self, result: Any) -> list[str]:
         """Return in sentences what a solution rests on."""
-        sentences = self._of_slice(result) if isinstance(self.contact, Plane) else self._of_space(result)
-        return [*sentences[:2], *derived(self), *profile_notes(self), *sentences[2:]]
-
-    def _of_slice(self, result: Any) -> list[str]:
-        """Sentences on a plane wheelset."""
-        thickness, (role, reason) = self.plane.thickness_mm, self.primary
-        materials = {"wheels": self.material_of("wheel"), "rails": self.material_of("rail")}
-        if materials["wheels"] == materials["rails"]:
-            materials = {"steel": materials["wheels"]}
-        return [
-            "Plane strain: the bodies do not stretch in the direction of the track.",
-            f"Thickness {thickness:g} mm: this length of wheel and rail carries the whole load.",
-            *(_elastic_words(name, material) for name, material in materials.items()),
-            "Contact without friction.",
-            *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
-            f"The {role}s are the primary surface: {reason}.",
-            "The rails are fixed along their whole base.",
-            "The wheels' cuts and the axle are rigid; the load acts at the car's centre of gravity and stays vertical"
-            + (", its lateral force horizontal." if self.forces.lateral_N else "."),
-            *(["The left side is the mirror image of the right side, mesh included."] if self.has_alike_sides else []),
-        ]
-
-    def _of_space(self, result: SpatialResult) -> list[str]:
-        """Sentences on a wheelset in three dimensions."""
-        return [
-            "Three dimensions: each rail is a prism; gaps are computed for true bodies of revolution.",
-            self._friction_words(),
-            _elastic_words("steel", self.material.elastic),
-            "Stresses below the patches are those of a half-space under the tractions of all cells.",
-            *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
-            *self._supports(),
-            "The load acts at the car's centre of gravity and stays vertical.",
-        ]
-
-    def _friction_words(self) -> str:
-        rolling, curve = self.friction, self.load.curve
-        if rolling is None:
-            return "Contact without friction: L/V leaves out creep forces."
-        where = f"{3.6 * self.speed_m_s:g} km/h" + (f", {curve.radius_m:g} m" if curve else "")
-        coefficients = " and ".join(dict.fromkeys(f"{self.friction_of(side):g}" for side in SIDES))
-        theory = THEORIES[rolling.theory]
-        return f"Steady rolling at {where} with a coefficient of friction of {coefficients}; creep forces by {theory}."
-
-    def _supports(self) -> list[str]:
-        """Sentences on track, wheels and axle."""
-        supports = dict.fromkeys(self.track.support_of(side) for side in SIDES)
-        wheel = (
-            "Only the rims of the wheels are modelled, clamped at their inner faces."
-            if isinstance(self.wheelset.section, RimSection)
-            else "The wheels have an assumed web and hub, and are held at the bore; sections drawn and saved "
-            "are of the rims alone, clamped at their inner faces: web and hub count in the compliance only."
+        return sentences(
+            "flangeway.cases.wheelset",
+            "assumptions.txt",
+            case=self,
+            result=result,
+            derived=[*derived(self), *profile_notes(self)],
+            frictions=dict.fromkeys(self.friction_of(side) for side in SIDES) if self.friction else (),
+            theory=THEORIES[self.friction.theory] if self.friction else "",
+            distance=MAX_PARABOLOID_DISTANCE,
+            supports=dict.fromkeys(self.track.support_of(side) for side in SIDES),
         )
-        rigid = isinstance(self.wheelset.axle, RigidAxle)
-        axle = "The axle is rigid." if rigid else "Axle bending: AAR class F axle, loaded at its journals."
-        return [*(_support_words(support) for support in supports), wheel, axle]
-
-
-def _elastic_words(name: str, material: Elastic) -> str:
-    return (
-        f"Linear elastic, isotropic {name}: Young's modulus {material.young:g} MPa, Poisson's ratio "
-        f"{material.poisson:g}; plasticity is not modelled."
-    )
-
-
-def _support_words(support: Sleepers | Continuous | Fixed) -> str:
-    if isinstance(support, Fixed):
-        return "The rails are fixed along their whole base."
-    seat = (
-        f"{support.vertical_kN_per_mm:g} kN/mm vertical, {support.lateral_kN_per_mm:g} kN/mm lateral and "
-        f"{support.roll_kNm_per_rad:g} kN m/rad in roll every {support.spacing_mm:g} mm"
-    )
-    if isinstance(support, Continuous):
-        return f"Each rail on a continuous foundation, {seat}."
-    seats = f"{support.position:g} of the spacing from" if support.position else "over"
-    return f"Each rail on sleepers, {seat}; the wheelset is {seats} a sleeper."
