@@ -1,7 +1,9 @@
 """Bundled rails and wheels against their formulas and the figures of their files and standards."""
 
+import csv
 import itertools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +15,10 @@ from flangeway.railway.profiles.bundled import (
     POLYNOMIAL_TOLERANCE_MM,
     RAILS,
     REFERENCE_RAIL,
+    REFERENCE_WHEELS,
     WHEELS,
     bundled_name,
     bundled_section,
-    heavy_haul_contour,
     rail,
     s1002_contour,
     wheel,
@@ -135,7 +137,7 @@ def test_s1002_is_smooth():
 
 def test_heavy_haul_wheel_is_nine_smooth_arcs():
     """The nine arcs meet tangentially, with a flange of 26 mm, and the tread passes the tape line at zero."""
-    contour = heavy_haul_contour()
+    contour = wheel("heavy-haul").running_surface
     assert contour.n_segments == 9
     for a, b in itertools.pairwise(contour.segments):
         assert a.tangent(1.0)[0] @ b.tangent(0.0)[0] == pytest.approx(1.0, abs=1e-8)
@@ -143,6 +145,42 @@ def test_heavy_haul_wheel_is_nine_smooth_arcs():
     hollow = [n for n, s in zip(contour.names, contour.segments, strict=True) if s.curvature < 0.0]
     assert hollow == ["flange_root_R14", "flange_root_R39"]
     assert wheel("heavy-haul").flange_height_mm == pytest.approx(26.0, abs=0.05)
+
+
+def source_rows(file):
+    """Rows of the numbers of a source, without its comments."""
+    lines = (Path(__file__).parent / "sources" / file).read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def test_the_heavy_haul_wheel_has_the_arcs_of_its_source():
+    """The source's radii from the axle and lateral places, from a tape line 70 mm from the flange's back."""
+    rows = source_rows("heavy_haul_wheel_arcs.csv")
+    tape = float(rows[0]["yc"]) - float(rows[0]["R"]) + 70.0
+    radius = float(rows[6]["rc"]) + math.sqrt(float(rows[6]["R"]) ** 2 - (tape - float(rows[6]["yc"])) ** 2)
+    for row, arc in zip(rows, wheel("heavy-haul").running_surface.segments, strict=True):
+        point = {end: (float(row[f"y{end}"]) - tape, radius - float(row[f"r{end}"])) for end in "01c"}
+        ends = [point["0"], point["1"]] if row["arc"] == "9" else sorted([point["0"], point["1"]])
+        np.testing.assert_allclose([arc.start, arc.end, arc.centre], [*ends, point["c"]], rtol=0.0, atol=2e-5)
+        assert arc.counter_clockwise == (row["curvature"] == "convex")
+
+
+@pytest.mark.parametrize("name", REFERENCE_WHEELS)
+def test_reference_wheels_follow_the_formulas_of_the_standard(name):
+    """Every line and arc of EN 15302 is that of its formula, to the rounding of a micrometre that its joints need."""
+    rows = [row for row in source_rows("EN15302_profiles.csv") if row["profile"] == name]
+    running = wheel(name).running_surface
+    assert running.names == tuple(row["name"] for row in rows)
+    for row, segment in zip(rows, running.segments, strict=True):
+        y = np.linspace(float(row["y0_mm"]), float(row["y1_mm"]), 11)
+        z = float(row["z_mm"]) + (
+            float(row["slope"]) * y
+            if row["slope"]
+            else float(row["root"])
+            * np.sqrt(np.maximum(float(row["radius_mm"]) ** 2 - (y - float(row["y_mm"])) ** 2, 0.0))
+        )
+        assert running.closest(np.column_stack([y, -z]))[2].max() < 5e-4
+        assert isinstance(segment, Line if row["slope"] else Arc)
 
 
 @pytest.mark.parametrize("name", [*WHEELS, "R-519-A", "R-519-C"])

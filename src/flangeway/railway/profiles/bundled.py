@@ -3,27 +3,26 @@
 import difflib
 import math
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
-from flangeway.formats.drawn_section import DrawnSegment, parse_segment, parse_table
+from flangeway.formats.drawn_section import parse_segment, parse_table
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placement, Point, Region, Section, Segment
 from flangeway.geometry.biarcs import biarcs
-from flangeway.railway.profiles.formats.instrument_files import GAP_MM, closed_gaps
 from flangeway.records import ByInstance
 from flangeway.results import Shown
-from flangeway.system.file_content import packaged_rows, packaged_text
+from flangeway.system.file_content import packaged_text
 
-# --- Running surfaces from formulas and arcs: S1002, a heavy-haul wheel of nine arcs, the reference profiles of EN
-# 15302.
+# --- The running surface of the S1002 from its formulas.
 #
-# They go from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
+# It goes from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
 
 
 DATA = "flangeway.railway.profiles"
@@ -101,62 +100,12 @@ def _polynomial_pieces(
     return [(name, piece) for piece in biarcs(curve, breaks, tolerance_mm)]
 
 
-HEAVY_HAUL_TAPE_MM = 70.0
-"""Distance of the tape line from the flange's back of the heavy-haul wheel, which its source does not give."""
-
-_NAMES = (
-    "flange_back", "flange_tip_back", "flange_tip_front", "flange_face", "flange_root_R14", "flange_root_R39",
-    "tread_R1335", "tread_R608", "rim_edge",
-)  # fmt: skip
-
-
-def heavy_haul_contour() -> Contour:
-    """Return the nine arcs of the heavy-haul wheel from the flange's back over the rim's edge."""
-    rows = packaged_rows(DATA, "heavy_haul_wheel_arcs.csv")
-    back = float(rows[0]["yc"]) - float(rows[0]["R"])
-    tape = back + HEAVY_HAUL_TAPE_MM
-    tread = rows[6]
-    radius = float(tread["rc"]) + math.sqrt(float(tread["R"]) ** 2 - (tape - float(tread["yc"])) ** 2)
-
-    def point(row: dict[str, str], end: str) -> Point:
-        return float(row[f"y{end}"]) - tape, radius - float(row[f"r{end}"])
-
-    arcs = []
-    for row in rows:
-        ends = sorted((point(row, "0"), point(row, "1")))
-        if row is rows[-1]:  # the edge of the rim turns back
-            ends = [point(row, "0"), point(row, "1")]
-        arcs.append(Arc(ends[0], ends[1], point(row, "c"), row["curvature"] == "convex"))
-    return Contour.from_segments(arcs, _NAMES)
-
-
-def reference_contour(name: str) -> Contour:
-    """Return a reference profile of EN 15302, a wheel's running surface, or the rail's head as it is inclined by 1:20.
-
-    The rounding of its formulas leaves gaps of micrometres between the pieces; they are closed in their middle.
-    """
-    drawn = []
-    for row in (row for row in packaged_rows(DATA, "EN15302_profiles.csv") if row["profile"] == name):
-        height, ends = float(row["z_mm"]), (float(row["y0_mm"]), float(row["y1_mm"]))
-        if row["slope"]:
-            start, end = ((y, -(height + float(row["slope"]) * y)) for y in ends)
-            drawn.append(DrawnSegment(start, end, name=row["name"]))
-            continue
-        middle, radius, root = (float(row[column]) for column in ("y_mm", "radius_mm", "root"))
-        start, end = ((y, -(height + root * math.sqrt(max(radius**2 - (y - middle) ** 2, 0.0)))) for y in ends)
-        drawn.append(DrawnSegment(start, end, (middle, -height), root > 0.0, name=row["name"]))
-    closed = closed_gaps(drawn, GAP_MM)[0]
-    return Contour.from_segments([segment.checked() for segment in closed], [segment.name for segment in closed])
-
-
 # --- Rail and wheel profiles that come with the package, as outlines in mm, and rails as sections.
 
 
-_RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
-    "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
-    **{name: {None: f"{name}_arcs.csv"} for name in ("60E1", "60E2", "54E1", "49E1")},
-}
-"""Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
+RAILS: tuple[str, ...] = ("136RE", "60E1", "60E2", "54E1", "49E1")  # names of the bundled rails
+_CROWNS = {"136RE": (10.0, 8.0, 14.0)}
+"""Radii of the crown in inches of a rail that has several, the default first."""
 
 _OTHER_NAMES = {"UIC60": "60E1", "60KG": "60E1", "UIC54": "54E1", "S49": "49E1", "RE136": "136RE", "136LB": "136RE"}
 """Other names of bundled rails, in capital letters without blanks and hyphens (EN 13674-1, table A.1)."""
@@ -168,18 +117,14 @@ uses it, and nothing by default."""
 IDENTIFIED_RADIUS_MM = 49.2
 """Radius of its wide arc, with which elements VO2, on the published kind of mesh, have the published lateral
 translation of the curve, 0.7309 cm (Moherdaui 2021, Table 16). `flangeway reproduce wheel-rail` finds it again."""
-RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
 REFERENCE_WHEELS = ("R-519-A", "R-519-B", "R-519-C", "R-519-H", "R-519-I")
 REFERENCE_RAIL = "S-519-A"
 """REFERENCE_WHEELS, REFERENCE_RAIL: names of the reference profiles of EN 15302, which give no bodies to files."""
-_REFERENCE_SLOPE = 0.05
 
-SECTIONS = {
+SECTIONS: Mapping[str, tuple[str, float | None]] = {
     "136RE": ("136RE", None),
-    "136RE-8": ("136RE", 8.0),
-    "136RE-10": ("136RE", 10.0),
-    "136RE-14": ("136RE", 14.0),
-    **{name: (name, None) for name in RAILS if name != "136RE"},
+    **{f"136RE-{radius:g}": ("136RE", radius) for radius in sorted(_CROWNS["136RE"])},
+    **{name: (name, None) for name in RAILS[1:]},
 }
 """Rail and radius of its crown in inches by the name of the section; None for the usual one."""
 
@@ -297,52 +242,38 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     """
     name = bundled_name(name)
     _refuse_unknown("rail", name, (*RAILS, REFERENCE_RAIL))
-    radii = _RAIL_FILES.get(name, {None: ""})
-    radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
-    if radius not in radii:
-        known = ", ".join(f"{radius:g}" for radius in sorted(radius for radius in radii if radius is not None))
+    radii = _CROWNS.get(name, ())
+    radius = crown_radius_in if crown_radius_in is None else float(crown_radius_in)
+    if radius is not None and radius not in radii:
+        known = ", ".join(f"{radius:g}" for radius in sorted(radii))
         raise InputError(
             f"crown_radius_in = {crown_radius_in:g} for {name}",
             f"one of {known}" if known else "no crown radius: this rail has one crown",
             "choose a radius that is there" if known else "leave it out",
         )
     if name == REFERENCE_RAIL:
-        return _reference_rail()
-    half = _read_segments(radii[radius])
+        # the body of a 60E1
+        nominal, outline = rail("60E1"), Outline.named(_read_segments(name).items())
+        return replace(nominal, outline=outline, unworn=outline.part(nominal.running_names), **_words(name))
+    section = f"{name}-{radius or radii[0]:g}" if radii else name
+    half = _read_segments(section)
     below_crown = list(half)[1:]
     side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
-    certainty, source = _EN_TEXTS if radius is None else _texts_136re(radius)
     outline = _mirrored_and_joined(half)
     running = (*(f"{part}_gauge" for part in side[::-1]), "crown", *(f"{part}_field" for part in side))
     return RailProfile(
-        title=name if radius is None else f"{name}, crown radius {radius:g} in",
         outline=outline,
         running_names=running,
         held_names=("base",),
-        certainty=certainty,
-        source=source,
         unworn=outline.part(running),
+        **_words(section, "EN 13674-1"),
     )
 
 
-def _texts_136re(radius: float) -> tuple[str, str]:
-    """Certainty and source of the 136RE with some crown."""
-    exact = radius == 14
-    return (
-        ("The arcs of the head are exact" if exact else "Crown and shoulder are derived")
-        + "; radii of the web, fillets and base are derived so that area, centroid and inertia "
-        "agree with the published ones.",
-        "AREMA 136RE: published dimensions and section properties; head with crown radius "
-        "14 in as in tutorial 12 of the program GIRAFFE"
-        + ("." if exact else ", crown radius changed with its half-width of 0.7 in kept."),
-    )
-
-
-_EN_TEXTS = (
-    "Exact: all lines and arcs are those of the standard; area and moments of inertia agree with it to 0.04 %.",
-    "EN 13674-1, annex A: radii, slopes and heights as in the public package EN13674 of A. Rohrbeck.",
-)
-"""Certainty and source of the rails of EN 13674-1."""
+def _words(name: str, standard: str = "") -> dict[str, Any]:
+    """Title, certainty and source of a profile, or of all those of a standard."""
+    words = tomllib.loads(packaged_text(DATA, "words.toml"))
+    return {"title": name, **words[name if name in words else standard]}
 
 
 def wheel(name: str = "AAR-1B") -> WheelProfile:
@@ -361,117 +292,36 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
     name = bundled_name(name)
     if name != IDENTIFIED:
         _refuse_unknown("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
-    if name in REFERENCE_WHEELS:
-        contour = reference_contour(name)
-        return _wheel_below(contour, title=name, certainty=_REFERENCE_CERTAINTY, source=_REFERENCE_SOURCE)
-    if name in (IDENTIFIED, "AAR-1B"):
-        return _aar_1b(name)
-    return _s1002() if name == "S1002" else _heavy_haul()
-
-
-_REFERENCE_CERTAINTY = (
-    "Exact: the running surface is that of the standard, to its rounding of a micrometre; it is made for the benchmark "
-    "of the equivalent conicity, not for vehicles."
-)
-_REFERENCE_SOURCE = "EN 15302:2021, annex I (UIC 519), as transcribed in the public package EN15302 of A. Rohrbeck."
-
-
-def _reference_rail() -> RailProfile:
-    """Put the reference head, upright, on the body of a 60E1; the lines at its sides reach to its ends."""
-    nominal = rail("60E1")
-    head = reference_contour(REFERENCE_RAIL).transformed(Placement(-math.atan(_REFERENCE_SLOPE))).reversed()
-    pieces = nominal.outline.by_name
-    crown, old = head.by_name["crown"], pieces["crown"]
-    if not (isinstance(crown, Arc) and isinstance(old, Arc)):
-        raise TypeError("crowns are arcs")
-    head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
-    pieces |= head.by_name
-    first, last = nominal.running_names[-1], nominal.running_names[0]
-    pieces[first] = Line(pieces[first].start, head.ends[0])
-    pieces[last] = Line(head.ends[1], pieces[last].end)
-    outline = Outline.named(pieces.items())
-    return replace(
-        nominal,
-        title=REFERENCE_RAIL,
-        outline=outline,
-        unworn=outline.part(nominal.running_names),
-        certainty=f"{_REFERENCE_CERTAINTY} With track.inclination = {_REFERENCE_SLOPE:g} the head is inclined as "
-        "there; the body is that of a 60E1.",
-        source=_REFERENCE_SOURCE,
-    )
-
-
-def _aar_1b(name: str) -> WheelProfile:
-    """Return the AAR-1B with an assumed flange root, or the `IDENTIFIED` one."""
-    certainty = (
-        "taper, height, thickness and angle of the flange and width of the rim agree with the standard's figures; the "
-    )
-    source = (
-        "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
-    )
-    if name == IDENTIFIED:
-        file, title = "AAR1B_identified_arcs.csv", IDENTIFIED
-        certainty = (
-            f"Identified: {certainty}wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one with which "
-            "one published position comes out."
-        )
-        source += " The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021)."
-    else:
-        file, title = "AAR1B_wide_flange_DERIVED_arcs.csv", "AAR-1B (approximate)"
-        certainty = f"An approximation: {certainty}radii of the flange root and its junctions are assumed."
-    running = Contour.named(_read_segments(file).items()).reversed()
-    profile = _wheel_below(running, title=title, certainty=certainty, source=source)
-    # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this one
-    segments, names = profile.outline.segments, profile.outline.names
-    return replace(profile, outline=Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2]))
+    return _s1002() if name == "S1002" else _wheel_below(name, Contour.named(_read_segments(name).items()))
 
 
 @cache
 def _s1002() -> WheelProfile:
-    profile = _wheel_below(
-        s1002_contour(),
-        title="S1002",
-        certainty=(
-            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 "
-            "micrometres, to 0.05 in the section. The profile ends 60 mm outside the tape line; the chamfer is "
-            "omitted."
-        ),
-        source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
-    )
-    return replace(profile, fine=s1002_contour(FINE_TOLERANCE_MM))
+    return replace(_wheel_below("S1002", s1002_contour()), fine=s1002_contour(FINE_TOLERANCE_MM))
 
 
-def _heavy_haul() -> WheelProfile:
-    return _wheel_below(
-        heavy_haul_contour(),
-        title="heavy-haul wheel of nine arcs",
-        certainty=(
-            "The arcs are exact. The source does not say where the tape line is: it is taken "
-            f"{HEAVY_HAUL_TAPE_MM:g} mm from the flange's back."
-        ),
-        source="Tutorial 12 of the program GIRAFFE (BSD licence): a Brazilian heavy-haul wheel.",
-    )
-
-
-def _wheel_below(running: Contour, *, title: str, certainty: str, source: str) -> WheelProfile:
+def _wheel_below(name: str, running: Contour) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
     back, outer = running.ends
     cut = [(outer[0], CUT_HEIGHT_MM), (back[0], CUT_HEIGHT_MM)]
     outline = Outline.closed(running.segments, cut, [*running.names, "outer_face", "cut", "back_face"])
-    return WheelProfile(
-        title=title,
+    profile = WheelProfile(
         outline=outline,
         running_names=tuple(dict.fromkeys(running.names)),
         flange_height_mm=-outline.bottom,
         flange_back_mm=-float(running.bounds()[0, 0]),
-        certainty=certainty,
-        source=source,
+        **_words(name, "EN 15302"),
     )
+    if not name.startswith("AAR-1B"):
+        return profile
+    # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this one
+    segments, names = outline.segments, outline.names
+    return replace(profile, outline=Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2]))
 
 
-def _read_segments(file: str) -> dict[str, Segment]:
-    """Return the segments of a data file by name, in its order."""
-    rows, _ = parse_table(packaged_text(DATA, file))
+def _read_segments(profile: str) -> dict[str, Segment]:
+    """Return the segments of a profile's data file by name, in its order."""
+    rows, _ = parse_table(packaged_text(DATA, f"{profile}_arcs.csv"))
     return {row["name"]: parse_segment(row, number).checked() for number, row in rows}
 
 
