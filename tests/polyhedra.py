@@ -1,7 +1,5 @@
 """Meshes of polyhedra for tests."""
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.spatial import Delaunay
 
@@ -55,20 +53,3 @@ def boxes() -> dict[str, PolyhedralMesh]:
             "octree": octree(BOX[3:], (1, 2, 1), finer=lambda p, s: np.linalg.norm(p - 0.1, axis=1) < s, levels=3),
         }.items()
     }
-
-
-def tilted_blocks() -> tuple[PolyhedralMesh, PolyhedralMesh]:
-    """The case `contact_patch_tilted` of three_dimensions.json: two blocks whose meshes do not match.
-
-    Together 20 x 20 x 40, split by the plane through (10, 10, 20) that is tilted by 20 degrees about y: hexahedra with
-    5 x 5, and prisms over 7 x 7 squares. The interface is ``z+`` of the first and ``z-`` of the second.
-    """
-    slope = np.tan(np.deg2rad(20.0))
-    meshes = []
-    for n, cells, upper in ((5, "quadrilaterals", False), (7, "triangles", True)):
-        mesh = PolyhedralMesh.extruded(rectangle_grid(20.0, 20.0, n, n, cells=cells), np.linspace(0.0, 1.0, n - 1))
-        x, y, t = mesh.points.T
-        middle = 20.0 + slope * (x - 10.0)
-        z = middle + t * (40.0 - middle) if upper else t * middle
-        meshes.append(replace(mesh, points=np.column_stack((x, y, z))))
-    return meshes[0], meshes[1]

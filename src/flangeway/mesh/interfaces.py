@@ -139,9 +139,4 @@ def joined(meshes: Mapping[str, PolyhedralMesh]) -> PolyhedralMesh:
         rings |= {f"{name} {key}": [loops[face] for face in faces] for key, faces in mesh.face_sets.items()}
         cells += [[loops[face] for face in row] for row in np.split(mesh.side_faces, mesh.side_offsets[1:-1])]
         starts += mesh.n_points
-    result = PolyhedralMesh.from_cells(points[kept], cells, cell_sets=cell_sets)
-    on_boundary, numbers = set(result.boundary_faces.tolist()), result.face_numbers
-    for name, loops in rings.items():
-        faces = [face for ring in loops if (face := numbers[frozenset(ring)]) in on_boundary]
-        result = result.with_face_set(name, faces) if faces else result
-    return result
+    return PolyhedralMesh.from_cells(points[kept], cells, cell_sets=cell_sets).with_rings(rings)

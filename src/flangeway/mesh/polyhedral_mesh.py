@@ -149,15 +149,12 @@ class PolyhedralMesh(CellMesh):
             name: (mesh.n_cells * layers[:, None] + cells).ravel() for name, cells in mesh.cell_sets.items()
         }
         solid = cls.from_cells(points, cells, cell_sets=sets)
-        below = [frozenset((solid.loop(face) % n).tolist()) for face in solid.boundary_faces.tolist()]
-        at_height = solid.face_centres[solid.boundary_faces, 2]
-        taken: dict[str, Any] = {
-            name: [edge in {frozenset(pair) for pair in pairs.tolist()} for edge in below]
+        rings: dict[str, list[Any]] = {
+            name: [[a + at, b + at, b + at + n, a + at + n] for a, b in pairs for at in n * layers]
             for name, pairs in mesh.edge_sets.items()
         }
-        taken |= {"z-": (at_height == z[0]).tolist(), "z+": (at_height == z[-1]).tolist()}
-        numbers: dict[str, Any] = {name: solid.boundary_faces[rows] for name, rows in taken.items()}
-        return replace(solid, face_sets=numbers)
+        bottom = [mesh.corners(cell) for cell in range(mesh.n_cells)]
+        return solid.with_rings(rings | {"z-": bottom, "z+": [ring + n * len(layers) for ring in bottom]})
 
     @classmethod
     def voronoi(cls, seeds: ArrayLike, box: Sequence[float]) -> "PolyhedralMesh":
@@ -254,12 +251,18 @@ class PolyhedralMesh(CellMesh):
         sides = [parts[face] for face in self.side_faces.tolist()]
         cells = [[ring for side in sides[start:end] for ring in side] for start, end in pairwise(self.side_offsets)]
         mesh = PolyhedralMesh.from_cells(points, cells, cell_sets=self.cell_sets)
-        numbers = mesh.face_numbers
+        return mesh.with_rings(
+            {name: [ring for face in faces.tolist() for ring in parts[face]] for name, faces in self.face_sets.items()}
+        )
+
+    def with_rings(self, rings: Mapping[str, Iterable[Iterable[int]]]) -> "PolyhedralMesh":
+        """Return the mesh with face sets, each the loops of its faces; those inside the body are left out."""
+        numbers = {frozenset(self.loop(face).tolist()): face for face in self.boundary_faces.tolist()}
         sets = {
-            name: np.array([numbers[frozenset(ring)] for face in faces.tolist() for ring in parts[face]])
-            for name, faces in self.face_sets.items()
+            name: [numbers[key] for ring in loops if (key := frozenset(ring)) in numbers]
+            for name, loops in rings.items()
         }
-        return replace(mesh, face_sets=sets)
+        return replace(self, face_sets={name: np.array(faces) for name, faces in sets.items() if faces})
 
     def with_box_sides(self, sides: Floats) -> "PolyhedralMesh":
         """Return the mesh with the sides of its box as face sets, ``x-`` to ``z+``; the least and greatest x, y, z."""
@@ -270,11 +273,6 @@ class PolyhedralMesh(CellMesh):
             for axis in range(3)
         }
         return replace(self, face_sets={name: self.boundary_faces[rows] for name, rows in at.items()})
-
-    @cached_property
-    def face_numbers(self) -> dict[frozenset[int], int]:
-        """Number of each face by its points."""
-        return {frozenset(self.loop(face).tolist()): face for face in range(self.n_faces)}
 
     @cached_property
     def boundary_faces(self) -> Ints:

@@ -26,7 +26,7 @@ from flangeway.errors import InputError, short
 from flangeway.materials import NonlinearMaterial
 from flangeway.mesh.mesh_checks import items_by_cells
 from flangeway.problems.body import Body
-from flangeway.problems.elasticity_problem import Elasticity
+from flangeway.problems.elasticity_problem import SPATIAL_STRAIN_PLACES, SPATIAL_STRAINS, Elasticity
 from flangeway.problems.loads import PrescribedDisplacement, RigidHandle, Support
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats
@@ -36,6 +36,9 @@ MaterialByCells = NonlinearMaterial | Mapping[str, NonlinearMaterial]
 DEVIATORS = np.array([[[0.5, 0.0], [0.0, -0.5]], [[0.0, 0.5], [0.5, 0.0]]])
 """Half of the difference of xx and yy, and the mean of xy and yx. Of a deformation they are half of the difference of
 its principal stretches, however it turns."""
+_X, _Y, _Z, *_SHEARS = SPATIAL_STRAINS
+SPATIAL_DEVIATORS = np.stack([(_X - _Y) / 2.0, (_X + _Y - 2.0 * _Z) / np.sqrt(12.0), *np.array(_SHEARS) / 2.0])
+"""The same in space: of the same size, and orthogonal to each other."""
 MIN_STRAIN, VOLUME_WEIGHT = 1e-6, 0.01
 """Strain, and fraction of the change of volume, in both norms of the secant: without a deviator it is the elastic one.
 """
@@ -88,13 +91,13 @@ class MaterialState:
     Parameters
     ----------
     displacements
-        All unknowns, (n_dofs, 2).
+        All unknowns, (n_dofs, d).
     history
         History at the points of each batch, (n_points, n_history).
     deviators
-        Deviators of the stress at the points of each batch, (n_points, 2).
+        Deviators of the stress at the points of each batch, (n_points, 2), in space (n_points, 5).
     amplitudes
-        Elastic displacements that make the forces of what the cells of each batch miss, (n_local, 2, n_cells).
+        Elastic displacements that make the forces of what the cells of each batch miss, (n_local, d, n_cells).
     moduli
         Twice the shear modulus against unloading at the points of each batch, (n_points,).
 
@@ -109,11 +112,11 @@ class MaterialState:
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Points of quadrature of a batch: derivatives of the local functions (2, q, m, e) and weights (q, e)."""
+    """Points of quadrature of a batch: derivatives of the local functions (d, q, m, e) and weights (q, e)."""
 
     batch: CellBatch
     reconstruction: Reconstruction
-    at: Floats  # (q, 2, e)
+    at: Floats  # (q, d, e)
     slopes: Floats
     weights: Floats
     numbers: np.ndarray  # material of each point, (q * e,)
@@ -121,8 +124,9 @@ class _Points:
     stabilisation: Floats | None  # of the elastic material, (m, m, e)
 
     def gradient(self, displacements: Floats) -> Floats:
-        """Gradients (q * e, 2, 2) of displacements (m, e, 2)."""
-        return np.einsum("xqme,mei->qeix", self.slopes, displacements, optimize=True).reshape(-1, 2, 2)
+        """Gradients (q * e, d, d) of displacements (m, e, d)."""
+        d = len(self.slopes)
+        return np.einsum("xqme,mei->qeix", self.slopes, displacements, optimize=True).reshape(-1, d, d)
 
     def mean(self, values: Floats) -> Floats:
         """Means over the cells of values at points (q * e,), shape (e,)."""
@@ -136,18 +140,18 @@ class NonlinearBody:
     Parameters
     ----------
     problem
-        The body in plane strain; its elastic materials are replaced.
+        The body in plane strain or in space; its elastic materials are replaced.
     material
         Material of all cells, or of each named cell set.
 
     Raises
     ------
     InputError
-        If the problem is not one of plane strain, has thermal loads, or a material is none.
+        If the problem is one of plane stress or axisymmetric, has thermal loads, or a material is none.
 
     """
 
-    def __init__(self, problem: Elasticity, material: MaterialByCells) -> None:
+    def __init__(self, problem: Elasticity[Any], material: MaterialByCells) -> None:
         self.materials = items_by_cells(material)
         if not all(isinstance(material, NonlinearMaterial) for material in self.materials):
             raise InputError(f"the material {short(material)}", "a NonlinearMaterial", "make a J2Plasticity, ...")
@@ -160,7 +164,8 @@ class NonlinearBody:
         elastic: Any = [nonlinear.elastic for nonlinear in self.materials]
         elastic = dict(zip(material, elastic, strict=True)) if isinstance(material, Mapping) else elastic[0]
         self.problem = replace(problem, material=elastic)
-        numbers = self.problem.cell_material
+        numbers, self.dimension = self.problem.cell_material, problem.dimension
+        self.deviators = DEVIATORS if self.dimension == 2 else SPATIAL_DEVIATORS
         self.n_history = max(material.n_history for material in self.materials)
         self._points = [self._batch_points(batch, numbers) for batch in problem.space.batches()]
 
@@ -178,7 +183,12 @@ class NonlinearBody:
         of_points = np.tile(numbers[batch.cells], len(weights))
         shear = 2.0 * np.array([material.elastic.shear_modulus for material in self.materials])[of_points]
         points = _Points(batch, reconstruction, at, slopes, weights, of_points, shear, None)
-        elastic = np.stack([material.elastic.stiffness for material in self.materials])[of_points]
+        plane, places = self.dimension == 2, SPATIAL_STRAIN_PLACES
+        tensors = [
+            material.elastic.stiffness if plane else material.elastic.full_matrix[places[:, :, None, None], places]
+            for material in self.materials
+        ]
+        elastic = np.stack(tensors)[of_points]
         consistency = self._consistency(points, elastic).transpose(1, 3, 0, 2, 4)
         added = batch.element.stabilise(reconstruction, consistency)
         if added is None:
@@ -187,8 +197,8 @@ class NonlinearBody:
 
     @property
     def points(self) -> Floats:
-        """Points of quadrature, (n_points, 2), batch by batch."""
-        return np.concatenate([part.at.swapaxes(1, 2).reshape(-1, 2) for part in self._points])
+        """Points of quadrature, (n_points, d), batch by batch."""
+        return np.concatenate([part.at.swapaxes(1, 2).reshape(-1, self.dimension) for part in self._points])
 
     def locking(self, state: MaterialState) -> str | None:
         """Sentence about cells that lock, since they are nearly incompressible or flow; None where few of them do."""
@@ -202,10 +212,11 @@ class NonlinearBody:
 
     def start(self) -> MaterialState:
         """The undeformed body."""
-        rest = np.zeros((self.problem.space.n_dofs, 2))
+        d = self.dimension
+        rest = np.zeros((self.problem.space.n_dofs, d))
         history = [np.zeros((part.weights.size, self.n_history)) for part in self._points]
         return self._state(
-            rest, history, [np.zeros((*part.batch.dofs.shape, 2)).swapaxes(1, 2) for part in self._points]
+            rest, history, [np.zeros((*part.batch.dofs.shape, d)).swapaxes(1, 2) for part in self._points]
         )
 
     def _state(self, displacements: Floats, history: list[Floats], amplitudes: list[Floats]) -> MaterialState:
@@ -213,20 +224,21 @@ class NonlinearBody:
         deviators, moduli = [], []
         for part, of_part in zip(self._points, history, strict=True):
             stress, tangent, _ = self._response(part, displacements, of_part)
-            deviators.append(np.einsum("aij,nij->na", DEVIATORS, stress))
+            deviators.append(np.einsum("aij,nij->na", self.deviators, stress))
             # of a yielding material the largest one: that across the flow, which is the elastic one
-            shear = np.linalg.eigvalsh(np.einsum("aij,nijkl,bkl->nab", DEVIATORS, tangent, DEVIATORS))[:, -1]
+            shear = np.linalg.eigvalsh(np.einsum("aij,nijkl,bkl->nab", self.deviators, tangent, self.deviators))[:, -1]
             moduli.append(np.maximum(2.0 * shear, MIN_MODULUS * part.shear) if self.n_history else part.shear)
         return MaterialState(displacements, history, deviators, amplitudes, moduli)
 
     def _response(self, part: _Points, displacements: Floats, history: Floats) -> tuple[Floats, Floats, Floats]:
-        """Stress (n, 2, 2), tangent (n, 2, 2, 2, 2) and history after at the points of a batch."""
+        """Stress (n, d, d), tangent (n, d, d, d, d) and history after at the points of a batch."""
         # grad u_ix(q) = sum over m of d_x B_m(q) u_mi
         local = displacements[part.batch.dofs]
         # a translation, which has no gradient, would cost digits
         local = local - part.reconstruction.monomial_dofs[:, 0, :, None] * local[0]
         gradient = part.gradient(local)
-        stress, tangent, after = np.empty_like(gradient), np.empty((len(gradient), 2, 2, 2, 2)), history.copy()
+        d = self.dimension
+        stress, tangent, after = np.empty_like(gradient), np.empty((len(gradient), d, d, d, d)), history.copy()
         for number, material in enumerate(self.materials):
             rows = np.flatnonzero(part.numbers == number)
             response = material.respond(gradient[rows], history[rows, : material.n_history])
@@ -234,11 +246,12 @@ class NonlinearBody:
         return stress, tangent, after
 
     def _consistency(self, part: _Points, tangent: Floats) -> Floats:
-        """Stiffness of the reconstructed displacement, (n_local, 2, n_local, 2, n_cells)."""
-        weighted = tangent.reshape(*part.weights.shape, 2, 2, 2, 2) * part.weights[..., None, None, None, None]
+        """Stiffness of the reconstructed displacement, (n_local, d, n_local, d, n_cells)."""
+        d = self.dimension
+        weighted = tangent.reshape(*part.weights.shape, d, d, d, d) * part.weights[..., None, None, None, None]
         n = len(part.batch.dofs)
-        result = np.empty((n, 2, n, 2, part.weights.shape[1]))
-        for i, j in np.ndindex(2, 2):
+        result = np.empty((n, d, n, d, part.weights.shape[1]))
+        for i, j in np.ndindex(d, d):
             right = np.einsum("qexy,yqne->xqne", weighted[:, :, i, :, j, :], part.slopes, optimize=True)
             result[:, i, :, j] = np.einsum("xqme,xqne->mne", part.slopes, right, optimize=True)
         return result
@@ -246,12 +259,12 @@ class NonlinearBody:
     def _missed(
         self, number: int, state: MaterialState, displacements: Floats, stress: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Forces, amplitudes after the step (n_local, 2, n_cells) and moduli (n_cells,) of what a batch misses."""
+        """Forces, amplitudes after the step (n_local, d, n_cells) and moduli (n_cells,) of what a batch misses."""
         part, shear = self._points[number], state.moduli[number]
         assert part.stabilisation is not None
         local = (displacements - state.displacements)[part.batch.dofs]
         gradient = part.gradient(local)
-        deviator, strain = (np.einsum("aij,nij->na", DEVIATORS, tensor) for tensor in (stress, gradient))
+        deviator, strain = (np.einsum("aij,nij->na", self.deviators, tensor) for tensor in (stress, gradient))
         trial = state.deviators[number] + shear[:, None] * strain
         regular = part.shear * np.hypot(MIN_STRAIN, VOLUME_WEIGHT * np.trace(gradient, axis1=1, axis2=2))
         secant = np.sqrt(((deviator**2).sum(axis=1) + regular**2) / ((trial**2).sum(axis=1) + regular**2))
@@ -262,16 +275,16 @@ class NonlinearBody:
         return np.einsum("mne,nie->mie", part.stabilisation, amplitudes), amplitudes, factor * modulus
 
     def linearised(self, state: MaterialState, displacements: Floats) -> tuple[dict[int, Floats], Floats, Floats]:
-        """Linearise at displacements (n_dofs, 2) after a state.
+        """Linearise at displacements (n_dofs, d) after a state.
 
-        Tangents of `Linearised`, internal forces (n_dofs, 2), and the works of the material's and of the
+        Tangents of `Linearised`, internal forces (n_dofs, d), and the works of the material's and of the
         stabilisation's along the displacements, summed over the cells without signs.
         """
         depth, tangents, forces = self.problem.thickness, {}, np.zeros_like(displacements)
         works = np.zeros(2)
         for number, (part, history) in enumerate(zip(self._points, state.history, strict=True)):
             stress, tangent, _ = self._response(part, displacements, history)
-            weighted = stress.reshape(*part.weights.shape, 2, 2) * part.weights[..., None, None]
+            weighted = stress.reshape(*part.weights.shape, self.dimension, -1) * part.weights[..., None, None]
             block = np.einsum("xqme,qeix->mie", part.slopes, weighted, optimize=True)
             local = displacements[part.batch.dofs].swapaxes(1, 2)
             works[0] += np.abs(np.einsum("mie,mie->e", block, local)).sum()
@@ -280,10 +293,10 @@ class NonlinearBody:
                 missed, _, modulus = self._missed(number, state, displacements, stress)
                 works[1] += np.abs(np.einsum("mie,mie->e", missed, local)).sum()
                 block += missed
-                matrix[:, 0, :, 0] += modulus * part.stabilisation
-                matrix[:, 1, :, 1] += modulus * part.stabilisation
+                for component in range(self.dimension):
+                    matrix[:, component, :, component] += modulus * part.stabilisation
             np.add.at(forces, part.batch.dofs, depth * block.swapaxes(1, 2))
-            n = 2 * len(block)
+            n = self.dimension * len(block)
             tangents[int(part.batch.cells[0])] = depth * matrix.reshape(n, n, -1)
         return tangents, forces, works
 
@@ -302,7 +315,7 @@ class NonlinearBody:
         return self._state(displacements, history, amplitudes)
 
     def stresses(self, before: MaterialState, displacements: Floats) -> tuple[Floats, Floats]:
-        """Stress (n_points, 2, 2) and history (n_points, n_history) at `points`, after a step from a state."""
+        """Stress (n_points, d, d) and history (n_points, n_history) at `points`, after a step from a state."""
         pairs = zip(self._points, before.history, strict=True)
         responses = [self._response(part, displacements, history) for part, history in pairs]
         return np.concatenate([response[0] for response in responses]), np.concatenate(
@@ -313,11 +326,11 @@ class NonlinearBody:
 def scaled(support: Support, motion: float, force: float) -> Support:
     """A support whose prescribed motions and forces are multiplied by factors; springs stay."""
     if isinstance(support, PrescribedDisplacement):
-        x, y = (
+        x, y, z = (
             (lambda p, value=value: motion * value(p)) if callable(value) else value and motion * value
-            for value in (support.x, support.y)
+            for value in support.components
         )
-        return replace(support, x=x, y=y)
+        return replace(support, x=x, y=y, z=z)
     if isinstance(support, RigidHandle):
         x, y, rotation = (value and motion * value for value in support.prescribed)
         forces = (force * support.force[0], force * support.force[1])

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -24,7 +25,7 @@ from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class NonlinearSolution(ElasticField):
+class NonlinearSolution(ElasticField[Any]):
     """A body of nonlinear materials under a load.
 
     Parameters
@@ -36,11 +37,11 @@ class NonlinearSolution(ElasticField):
     factor
         Factor of the loads and of prescribed motions.
     nodal_forces
-        Forces of supports without springs on the nodes, shape (n_nodes, 2).
+        Forces of supports without springs on the nodes, shape (n_nodes, d).
     points
-        Points of quadrature, (n_points, 2).
+        Points of quadrature, (n_points, d).
     stress
-        First Piola-Kirchhoff stress there (the stress itself at small strains), (n_points, 2, 2).
+        First Piola-Kirchhoff stress there (the stress itself at small strains), (n_points, d, d).
     history
         History of the material there, (n_points, n_history).
     residuals
@@ -61,7 +62,7 @@ class NonlinearSolution(ElasticField):
 
 
 def solve_nonlinear(
-    problem: Elasticity,
+    problem: Elasticity[Any],
     material: MaterialByCells,
     factors: Sequence[float] = (1.0,),
     *,
@@ -92,13 +93,16 @@ def solve_nonlinear(
     Raises
     ------
     InputError
-        If the body is not in plane strain, or can move as a whole.
+        If the body is one of plane stress or of revolution, or can move as a whole.
 
     """
     body, settings = NonlinearBody(problem, material), settings or NewtonSettings(tolerance=1e-9)
     loads, state = problem.load_vector(), body.start()
     rest = Status(True, "at rest", 0)
-    nodes, stress, history = np.zeros((problem.space.n_nodes, 2)), *body.stresses(state, state.displacements)
+    nodes, stress, history = (
+        np.zeros((problem.space.n_nodes, problem.dimension)),
+        *body.stresses(state, state.displacements),
+    )
     reached = NonlinearSolution(
         body.problem, state.displacements, rest, 0.0, nodes, body.points, stress, history, (), state
     )
@@ -127,7 +131,8 @@ def _solved(
     A loop of its own: it keeps to the path of the load by shorter loads, as damped steps could leave it.
     """
     problem, n_nodes, state, u = body.problem, body.problem.space.n_nodes, start.state, start.displacements.copy()
-    springs = sum(map(problem.spring_stiffness, problem.springs), sp.csc_array((2 * n_nodes, 2 * n_nodes)))
+    d = problem.dimension
+    springs = sum(map(problem.spring_stiffness, problem.springs), sp.csc_array((d * n_nodes, d * n_nodes)))
     step: ElasticitySolution | None = None
     residuals: list[float] = []
     change, size, reach = np.inf, MIN_POSITIVE, MIN_POSITIVE  # scales: those of the whole step, which may end at zero
@@ -137,7 +142,7 @@ def _solved(
         size = max(size, max_magnitude(forces), max_magnitude(factor * loads))
         reach = max(reach, max_magnitude(u))
         reactions = -unbalanced[:n_nodes]
-        unbalanced[:n_nodes] -= (springs @ u[:n_nodes].ravel()).reshape(-1, 2)
+        unbalanced[:n_nodes] -= (springs @ u[:n_nodes].ravel()).reshape(-1, d)
         if step is not None:  # the supports hold from the first step on
             applied, _ = forces_on_handles(step.problem, step.constraints)
             free = step.constraints.transform.T @ unbalanced[:n_nodes].ravel() + applied, unbalanced[n_nodes:]
