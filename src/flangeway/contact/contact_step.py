@@ -211,8 +211,7 @@ def _answer(
         if last is not None:
             sprung = rigid.softly_sprung(stiff, last.forces, softness, RELAXATION**state.sliding)
         laws = Laws(*laws_of, matrix.diagonal() + sprung.compliances())
-        dense = DenseEquations(matrix, offset, laws, sprung)
-        answer = dense.answer(guess) if last is None else solve(laws, dense, guess)
+        answer = solve(laws, DenseEquations(matrix, offset, laws, sprung), guess)
         if answer is None and last is None:
             return None, held
         if answer is None:

@@ -328,8 +328,9 @@ class DenseEquations:
         return Answer(forces, self.matrix @ forces + self.motions.by_motion @ motions + self.offset, motions)
 
     def answer(self, forces: Floats) -> Answer | None:
-        """Solve by the semismooth Newton method from forces (k,), or along the path; None if there is no solution."""
-        return solve(self.laws, self, forces) or self._along_path()
+        """Solve by the semismooth Newton method from forces (k,), or along a path, without motions."""
+        answer = solve(self.laws, self, forces)
+        return answer if answer or self.laws.barred or not self.laws.friction else self._along_path()
 
     def _along_path(self) -> Answer | None:
         """Solve by following solutions from where all constraints are open; None if the path does not arrive.
@@ -340,18 +341,15 @@ class DenseEquations:
         between guesses (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56).
         """
         laws, m = self.laws, self.laws.m
-        guess = Guess(np.zeros(m, dtype=np.bool_), np.ones(m, dtype=np.int64), np.zeros(m))
-        opened = self(guess)
-        if opened is None or laws.barred or not laws.friction:
-            return None
         # all different, so that one closes at a time
-        lifts = max_magnitude(opened.slacks[:m]) * (2.0 + GOLDEN_SECTION * np.arange(m) % 1.0)
+        lifts = max_magnitude(self.offset[:m]) * (2.0 + GOLDEN_SECTION * np.arange(m) % 1.0)
         start = DenseEquations(self.matrix, self.offset + np.append(lifts, np.zeros(m)), laws, self.motions)
+        guess = Guess(*np.zeros((3, m), dtype=np.int64))
         time, direction, changed = 0.0, 1.0, None
         for _ in range(MAX_PIECES):
             first, last = start(guess), self(guess)
-            if first is None or last is None:
-                return None
+            assert first is not None
+            assert last is not None
             margins = laws.margins(guess, first)
             falls = margins - laws.margins(guess, last)
             if changed:
@@ -362,13 +360,11 @@ class DenseEquations:
             time += direction * ahead[changed]
             if not 0.0 <= time < 1.0:
                 return last if time > 0.0 else None
-            active, signs = guess.active.copy(), guess.signs.copy()
-            if law == 0:
-                slips = (1.0 - time) * first.slacks[m:] + time * last.slacks[m:]
-                active[one], signs[one] = not active[one], np.copysign(1.0, -slips[one])
+            if law:
+                guess.signs[one] = 0 if guess.signs[one] else SIGNS[law - 1, 0]
             else:
-                signs[one] = 0 if signs[one] else SIGNS[law - 1, 0]
-            guess = Guess(active, signs, guess.normal)
+                slips = (1.0 - time) * first.slacks + time * last.slacks
+                guess.active[one], guess.signs[one] = not guess.active[one], np.copysign(1.0, -slips[m + one])
         return None
 
     def free_motions(self, answer: Answer) -> tuple[Floats, Floats, bool]:
