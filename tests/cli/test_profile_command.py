@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.cases.profile_run import run_folder, run_profile
+from flangeway.cases.profile_run import nearest_nominal, run_folder, run_profile
 from flangeway.cases.rigid_run import find_geometry_case, run_geometry
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.profiles.formats.two_column import write_two_column
+from flangeway.railway.profiles.joining import joined
 from flangeway.railway.profiles.orientation import ReadOptions, measures
 from flangeway.railway.profiles.profile_file import read_profile
-from flangeway.report.profile_outputs import deviations, folder_record
+from flangeway.report.profile_outputs import deviations, folder_record, join_figure
 
 FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
 
@@ -199,3 +200,25 @@ def test_folders_without_profiles_are_refused(tmp_path):
     for path in (tmp_path / "none", tmp_path):
         with pytest.raises(InputError, match=str(path)):
             run_folder(path)
+
+
+WORN_MM = 0.6
+
+
+def test_a_measured_wheel_is_drawn_over_its_nominal_one(call, tmp_path):
+    """The picture of a wheel worn by 0.6 mm in the middle of its tread has this depth below the nominal one there."""
+    new = wheel("S1002").running_surface.sampled(spacing=0.25)
+    worn = new + [0.0, WORN_MM] * np.exp(-(((new[:, :1] - 30.0) / 6.0) ** 2))
+    (tmp_path / "worn.csv").write_text("\n".join(f"{x:.5f},{y:.5f}" for x, y in worn), encoding="utf-8")
+    status, _, error = call("profile", "worn.csv", "--kind", "wheel", "--unit", "mm", "--nominal", "S1002")
+    assert status == 0, error
+    folder = tmp_path / "out" / "profile-worn"
+    assert (folder / "worn.png").read_bytes().startswith(b"\x89PNG")
+    assert "on the nominal S1002" in (folder / "report.html").read_text(encoding="utf-8")
+    run = run_profile(str(tmp_path / "worn.csv"), ReadOptions(kind="wheel", unit="mm"))
+    assert nearest_nominal(run.profile) == "S1002"
+    below = join_figure(joined(run.profile, "S1002")).axes[1].lines[0]
+    x, off = below.get_xdata(), below.get_ydata()
+    assert x[off.argmin()] == pytest.approx(30.0, abs=0.5)
+    assert off.min() == pytest.approx(-WORN_MM, abs=0.02)
+    assert np.abs(off[np.abs(x - 30.0) > 20.0]).max() < 0.02

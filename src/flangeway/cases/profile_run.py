@@ -466,16 +466,24 @@ def _profile(work: Work) -> FolderProfile | InputError:
         return reason
 
 
+def nearest_nominal(profile: MeasuredProfile, named: str | None = None) -> str | None:
+    """Return the bundled profile that a measured one was when new: the named one if of its kind, or the nearest.
+
+    None if none fits.
+    """
+    of_kind = named is not None and isinstance(nominal_profile(named), RailProfile) == (profile.kind == "rail")
+    gaps = {
+        name: gap
+        for name in ([named] if named and of_kind else USUAL_BODIES[profile.kind])
+        if (gap := body_distance_mm(profile, name)) is not None
+    }
+    return min(gaps, key=lambda name: gaps[name]) if gaps else None
+
+
 def _read(file: Path, partner: str | None, named: str | None) -> FolderProfile:
     run = ProfileRun(read_profile(file))
     profile, kind = run.profile, run.profile.kind
-    of_kind = named is not None and isinstance(nominal_profile(named), RailProfile) == (kind == "rail")
-    gaps = {
-        name: gap
-        for name in ([named] if named and of_kind else USUAL_BODIES[kind])
-        if (gap := body_distance_mm(profile, name)) is not None
-    }
-    nominal = min(gaps, key=lambda name: gaps[name]) if gaps else None
+    nominal = nearest_nominal(profile, named)
     wear: dict[str, float] = {}
     if nominal is not None:
         new, worn = _nominal_measures(nominal), run.measures

@@ -13,7 +13,7 @@ import numpy as np
 from flangeway.cases.case import Case
 from flangeway.cases.case_file import CaseText, resolved
 from flangeway.cases.wheelset.wheelset_case import Wheelset
-from flangeway.cases.wheelset.wheelset_notes import derived, profile_notes, side_warnings
+from flangeway.cases.wheelset.wheelset_notes import derived, side_warnings
 from flangeway.cases.wheelset.wheelset_quantities import TRACK
 from flangeway.errors import InputError, short
 from flangeway.exact import LineContact, contact_modulus
@@ -415,7 +415,7 @@ def run_geometry(
     equilibrium = rigid_equilibrium(geometry, case.forces)
     contacts = _loaded_contacts(equilibrium, case)
     remarks += _of_mirror_image(equilibrium, case)
-    remarks += [*side_warnings(case.track), *derived(case), *profile_notes(case)]
+    remarks += [*side_warnings(case.track), *derived(case)]
     status, position = equilibrium.status, equilibrium.position
     summary = {
         "case": name,

@@ -241,6 +241,10 @@ def profile(
         str | None,
         _bundled("--join", "Bundled rail or wheel that gives the body."),
     ] = None,
+    nominal: Annotated[
+        str | None,
+        _bundled("--nominal", "Nominal (new) profile that a measured one is drawn over (default: nearest)."),
+    ] = None,
     to: Annotated[
         Path | None,
         typer.Option(
@@ -279,7 +283,7 @@ def profile(
     def convert() -> list[Path]:
         return [] if to is None else write_text(to, conversion)
 
-    show.record(profile_record(done, command_typed(), show.units or "metric"), folder, convert)
+    show.record(profile_record(done, command_typed(), show.units or "metric", nominal), folder, convert)
     return True
 
 

@@ -18,6 +18,7 @@ from flangeway.cases.profile_run import (
     ProfileFolder,
     ProfileRun,
     converted,
+    nearest_nominal,
 )
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline, Placement
@@ -26,6 +27,7 @@ from flangeway.quantities import Quantity, columns, measured, values
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.two_column import KINDS, Kind
 from flangeway.railway.profiles.joining import Joined, joined
+from flangeway.railway.profiles.profile_file import MeasuredProfile
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
@@ -50,6 +52,8 @@ NOMINAL = (0, (5, 3))
 TITLE_LETTERS = 70
 OVERLAY_SPACING_MM, MAX_NAMED = 0.25, 8
 DRAWN_DEVIATION_MM = 0.01
+SHOWN_BEYOND_MM = 8.0
+"""Height that is drawn above and below a measured surface on its nominal body."""
 MAX_CURVATURE_PER_MM = 0.2
 
 
@@ -122,6 +126,7 @@ def join_figure(joined: Joined, units: Units = "metric") -> Figure:
         whole.plot(*np.array([joint.end, joint.landing]).T, color=ORANGE, lw=2.0, label=label, zorder=4)
     whole.set_title(_title(joined.profile.title), fontsize=9)
     points = _line(joined.measured)
+    whole.set_ylim(points[:, 1].min() - SHOWN_BEYOND_MM, points[:, 1].max() + SHOWN_BEYOND_MM)
     off = deviations(joined.nominal.outline, points)
     x, lowest, worn = points[:, 0], int(off.argmin()), ""
     below.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)
@@ -132,7 +137,7 @@ def join_figure(joined: Joined, units: Units = "metric") -> Figure:
         depth, position = (measured(value, "mm", units, ".3g") for value in (-off[lowest], x[lowest]))
         worn = f"; at most {depth} below it at x = {position}"
     below.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
-    name_axes(below, ("x", "mm"), ("deviation (below zero: worn)", "mm"))
+    name_axes(below, ("x", "mm"), ("off the nominal", "mm"))
     return _shape(whole)
 
 
@@ -238,20 +243,22 @@ def checked_conversion(run: ProfileRun, to: Path | None) -> str:
     return text
 
 
-def profile_record(run: ProfileRun, command: str, units: Units = "metric") -> Report:
-    """Return what was read and measured of a profile; `command` reads it again."""
+def profile_record(run: ProfileRun, command: str, units: Units = "metric", nominal: str | None = None) -> Report:
+    """Return what was read and measured of a profile.
+
+    - `command`: reads it again.
+    - `nominal`: bundled profile that it was when new, the nearest one if left out.
+    """
     summary, join = run.summary, run.join
     pictures = [
         Picture("profile.png", lambda: shape_figure(run, units), "The profile with its points, lines and arcs."),
         Picture("curvature.png", lambda: curvature_figure(run, units), "Curvature along the profile."),
     ]
     if join is not None:
-        pictures.insert(
-            1,
-            Picture(
-                "joined.png", lambda: join_figure(join, units), "The profile joined to the body of the nominal one."
-            ),
-        )
+        caption = "The profile joined to the body of the nominal one."
+        pictures.insert(1, Picture("joined.png", partial(join_figure, join, units), caption))
+    elif run.body is None:  # measured, a running surface alone
+        pictures[1:1] = _on_nominal(run.profile, nearest_nominal(run.profile, nominal), "worn.png", units)
     there = [quantity for quantity in QUANTITIES if quantity.value(run) is not None]
     return Report(
         name=run.profile.title,
@@ -369,13 +376,17 @@ def _joined_pictures(rows: Sequence[FolderProfile], kind: Kind, units: Units) ->
     """Return pictures of the most worn profiles of a kind on the bodies of their nominal ones, as far as they fit."""
     pictures: list[Picture] = []
     for row in rows:
-        if row.run.profile.kind != kind or row.nominal is None or len(pictures) == MAX_JOINED:
-            continue
-        try:
-            join = joined(replace(row.run.profile, title=row.file), row.nominal)
-        except InputError:  # a whole outline, or a surface too short for contact
-            continue
-        file = f"worn-{kind}-{len(pictures) + 1}.png"
-        caption = f"{row.file} on the nominal {row.nominal}."
-        pictures.append(Picture(file, partial(join_figure, join, units), caption, "Pictures"))
+        if row.run.profile.kind == kind and len(pictures) < MAX_JOINED:
+            profile, file = replace(row.run.profile, title=row.file), f"worn-{kind}-{len(pictures) + 1}.png"
+            pictures += _on_nominal(profile, row.nominal, file, units)
     return pictures
+
+
+def _on_nominal(profile: MeasuredProfile, nominal: str | None, file: str, units: Units) -> list[Picture]:
+    """Return the picture of a measured profile on the body of its nominal one, if it fits."""
+    try:
+        join = joined(profile, nominal) if nominal is not None else None
+    except InputError:  # a whole outline, or a surface too short for contact
+        join = None
+    caption = f"{profile.title} on the nominal {nominal}; below, how far its surface is off along the normal."
+    return [Picture(file, partial(join_figure, join, units), caption)] if join is not None else []

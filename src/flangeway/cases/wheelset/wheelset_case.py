@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.summary import RunResult
-from flangeway.cases.wheelset.wheelset_notes import derived, profile_notes, side_warnings, unusual
+from flangeway.cases.wheelset.wheelset_notes import derived, side_warnings, unusual
 from flangeway.cases.wheelset.wheelset_quantities import (
     APPROACH,
     CREEP_MAIN,
@@ -358,7 +358,7 @@ class Wheelset(WheelsetProblem, RunnableCase):
             "assumptions.txt",
             case=self,
             result=result,
-            derived=[*derived(self), *profile_notes(self)],
+            derived=derived(self),
             frictions=dict.fromkeys(self.friction_of(side) for side in SIDES) if self.friction else (),
             theory=THEORIES[self.friction.theory] if self.friction else "",
             distance=MAX_PARABOLOID_DISTANCE,

@@ -1,5 +1,6 @@
 """Files of a wheelset in three dimensions: surfaces, sections and volumes for ParaView, and lines below patches."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -129,20 +130,27 @@ def write_stresses(result: SpatialResult, side: Side, role: Role, path: Path) ->
 
 def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
     """Arrays of friction on the cells of a side, (n, n_z) or vectors (n, n_z, 3); none without it."""
-    state, total = result.equilibrium.state.sides[side], dict[str, Floats]()
+    state = result.equilibrium.state.sides[side]
     # directions t (across) and z of the cells in the track's axes
     axes = np.zeros((len(state.normals), 2, 3))
     axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
     axes[:, 1, 2] = 1.0
+    fields = friction_of_cells(result, side)
+    fields |= {name: np.einsum("nma,nax->nmx", values, axes) for name, values in fields.items() if values.ndim > 2}
+    if role == "rail" and fields:
+        fields["traction_MPa"] = -fields["traction_MPa"]
+    return fields
+
+
+def friction_of_cells(result: SpatialResult, side: Side) -> dict[str, Floats]:
+    """Arrays of friction of the wheel on the cells of a side, (n, n_z) or vectors along t and z, (n, n_z, 2)."""
+    shape, total = result.equilibrium.state.sides[side].forces.shape, dict[str, Floats]()
     for patch, creep in result.rolling:
         if creep.cells is None:
             continue
         for name, values in cell_fields(creep.cells, creep.speed).items():
-            here = patch.side == side
-            whole = patch.on_side(creep, values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
-            if values.ndim > 2:
-                whole = np.einsum("nma,nax->nmx", whole, axes)
-            total[name] = total.get(name, 0.0) + (-whole if name == "traction_MPa" and role == "rail" else whole)
+            here = patch.on_side(creep, values) if patch.side == side else np.zeros((*shape, *values.shape[2:]))
+            total[name] = total.get(name, 0.0) + here
     return total
 
 
@@ -155,20 +163,15 @@ def cells_table(run: SpatialWheelsetRun) -> str:
     rows: list[dict[str, object]] = []
     for patch in run.result.patches:
         state, sign, shown = patch.state, SIDE_SIGN[patch.side], patch_map(run.result, patch.side)
-        tangents = state.normals[:, ::-1] * (1.0, -sign)
         fields = normal_fields(state.cells)
-        for name, values in friction_fields(run.result, patch.side, "wheel").items():
-            if values.ndim > 2:
-                across = np.einsum("nmx,nx->nm", values[..., :2], tangents)
-                values = np.stack((across, values[..., 2]), axis=2)  # noqa: PLW2901 (in the plane of contact)
-            fields[name] = values
+        for name, values in friction_of_cells(run.result, patch.side).items():
+            fields[name] = values * (-sign, 1.0) if values.ndim > 2 else values  # t runs to the gauge side
         row, strip = np.nonzero(patch.inside)
         stations, z = state.grid.grid.middles
         x, y = (state.points * (sign, 1.0))[row].T
         positions = {"along_surface_mm": shown.across(stations[row]), "x_mm": x, "y_mm": y, "z_mm": z[strip]}
-        of_patch = ResultTable(positions | cell_columns(state.grid.grid, fields, patch.inside))
-        where = {"side": patch.side, "region": patch.region}
-        rows += [where | dict(zip(of_patch.columns, cell, strict=True)) for cell in of_patch.rows()]
+        columns = positions | cell_columns(state.grid.grid, fields, patch.inside)
+        rows += _labelled(columns, side=patch.side, region=patch.region)
     return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)
 
 
@@ -191,7 +194,11 @@ def below_table(run: SpatialWheelsetRun) -> str:
     rows: list[dict[str, object]] = []
     for patch, role in lines_below(run.result):
         line = patch.lines[role]
-        where = {"side": patch.side, "region": patch.region, "body": role}
-        columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
-        rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
+        columns = {"depth_mm": line.depths, **line.stresses.by_name}
+        rows += _labelled(columns, side=patch.side, region=patch.region, body=role)
     return ResultTable.of_rows(rows).in_units(run.case.units).csv(DIGITS)
+
+
+def _labelled(columns: Mapping[str, Floats], **words: str) -> list[dict[str, object]]:
+    """Return the rows of columns, behind words that all of them have."""
+    return [words | dict(zip(columns, row, strict=True)) for row in ResultTable(columns).rows()]
