@@ -1,6 +1,5 @@
 """Wheelsets in space that stood without being found, and gaps to a wheel as a true surface of revolution."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,12 +10,11 @@ from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.profiles.formats.instrument_files import write_miniprof
 from flangeway.railway.rigid.rigid_side import RigidCurve
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.railway.wheelset.equilibrium import Reach, load_on_axle
+from flangeway.railway.wheelset.equilibrium import load_on_axle
 from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.wheelset_newton import RollingPlace, WheelsetNewton
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -44,9 +42,10 @@ def unbalanced(found):
 
 @pytest.mark.parametrize(("force_kN", "lateral_mm"), [(10.0, 5.60), pytest.param(30.0, 6.84, marks=pytest.mark.ci)])
 def test_a_heavy_haul_wheel_stands_on_136re_under_small_and_large_forces(force_kN, lateral_mm):
-    """Stable on the side to which it is pushed, where an independent Newton's method had found it."""
+    """Stable on the side to which it is pushed, where an independent Newton's method had found it, in 18 steps."""
     found = solved("heavy-haul", "136RE", axle_load_kN=200, lateral_force_kN=force_kN)
     assert found.status.converged
+    assert found.status.iterations <= 18
     assert found.equilibrium.stable
     assert np.abs(unbalanced(found)).max() < 1e-8
     lateral = found.equilibrium.position.lateral_mm
@@ -152,37 +151,12 @@ def test_wheels_that_slip_everywhere_find_the_yaw_of_their_guidance():
     assert rolled.yaw_moment_Nmm == pytest.approx(1e9 * (rolled.yaw_rad - 10.7e-3), rel=1e-4)
 
 
-def test_a_step_limit_shrinks_with_the_sense_of_steps_and_recovers():
-    """After four changes of sense it is below a tenth of the first; steps of one sense bring it back, no farther."""
-    reach = Reach(1.0, 1.0)
-    for sense in (1.0, -1.0, 1.0, -1.0, 1.0):
-        reach = reach.towards(sense, halved=False)
-        reach = replace(reach, last=sense * reach.limit)
-    assert reach.limit < 0.1
-    for _ in range(30):
-        reach = reach.towards(1.0, halved=False)
-        reach = replace(reach, last=reach.limit)
-    assert reach.limit == pytest.approx(1.0)
-
-
 def cells_of_the_middle():
     """The wheelset S1002 on 60E1, its rigid position, and coarse cells there."""
     case = coarse_case()
     wheelset = SpatialWheelset(case, surfaces_of("S1002", "60E1", case.track.inclination))
     position = wheelset.start.motion
     return wheelset, position, wheelset.whole(position, None, {})
-
-
-def test_cells_that_are_chosen_twice_at_one_position_keep_the_way_to_it():
-    """Where it was forgotten, a wheelset that had gone too far went on in the same steps back and forth."""
-    wheelset, position, grids = cells_of_the_middle()
-    place = RollingPlace.at(position, np.zeros(4), 0.0, 0.0)
-    newton = WheelsetNewton.of(wheelset.problem, np.zeros((4, 4)), place, grids).linearised(1e-3).newton
-    newton = replace(newton, reaches={0: Reach(1.2, 1.2, last=-1.2)})
-    for _ in range(2):
-        newton = newton.on(grids, newton.contact)
-    assert newton.reaches[0].last < 0.0
-    assert newton.reaches[0].limit < 1.2
 
 
 def test_cells_farther_apart_than_the_compliances_are_tabulated_have_coefficients():

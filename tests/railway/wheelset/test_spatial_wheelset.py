@@ -254,8 +254,8 @@ def test_cells_at_a_narrow_peak_are_divided_once():
 @pytest.mark.parametrize("rolling", [{}, {"friction": 0.3, "speed_km_h": 80.0, "theory": "fastsim"}])
 def test_a_start_gives_the_same_equilibrium_in_fewer_iterations(rolling):
     """From the run under a similar load the search is shorter, and ends at the same position with the same patches."""
-    case = coarse_case(load={"lateral_force_kN": 10.0}, **({"rolling": rolling} if rolling else {}))
-    other = case.replaced(load={"lateral_force_kN": 11.0})
+    case = coarse_case(load={"lateral_force_kN": 40.0}, **({"rolling": rolling} if rolling else {}))
+    other = case.replaced(load={"lateral_force_kN": 41.0})
     anew, again = other.run(), other.run(start=case.run())
     assert anew.status.converged
     assert again.status.converged

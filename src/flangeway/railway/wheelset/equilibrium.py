@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -20,49 +20,6 @@ TOLERANCE = 1e-9
 
 MAX_STEP = np.array([0.3, 0.3, 3e-4])
 """Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
-
-REVERSED_LIMIT, REVERSED_MAXIMUM = 0.3, 0.7
-"""The next step limit relative to the last step where the sense of the steps has changed, and the largest one
-relative to that before."""
-REACHED_FRACTION = 0.999
-"""Part of the limit from which on a step has reached it."""
-
-
-@dataclass(frozen=True)
-class Reach:
-    """Step limit of one unknown: it shrinks where the sense of its steps changes, and grows where they reach it.
-
-    - `limit`: of the next step.
-    - `most`: beyond which it never grows; `longest`: beyond which it does not grow now.
-    - `last`: last step.
-    """
-
-    limit: float
-    most: float
-    longest: float = np.inf
-    last: float = 0.0
-
-    def towards(self, step: float, *, halved: bool) -> "Reach":
-        """Limits of a step that is asked for; `halved`: whether the last step has lowered the residual much."""
-        limit, longest, size = self.limit, self.longest, abs(self.last)
-        if step * self.last < 0.0 and not halved:
-            longest = REVERSED_MAXIMUM * min(longest, self.most)
-            limit = REVERSED_LIMIT * size if abs(step) > 0.5 * size else min(limit, longest)
-        elif size >= REACHED_FRACTION * limit:
-            if limit == longest:  # several steps of one sense
-                longest /= REVERSED_MAXIMUM
-            limit = min(2.0 * limit, longest, self.most)
-        return replace(self, limit=limit, longest=longest)
-
-    def again(self, first: float) -> "Reach":
-        """Limits of an unknown that sets out again with a first one, on other cells.
-
-        Where it was under way it knows from where it came, and how far was too far: else it may go to and fro for ever.
-        """
-        if abs(self.last) < REACHED_FRACTION * self.limit:
-            return Reach(first, self.most)
-        limit = min(self.limit, first)
-        return Reach(limit, self.most, self.longest, math.copysign(REVERSED_LIMIT * limit, self.last))
 
 
 def load_on_axle(problem: WheelsetProblem, roll: float) -> Floats:

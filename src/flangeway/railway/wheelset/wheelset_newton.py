@@ -17,7 +17,6 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import (
     MAX_STEP,
     Equilibrium,
-    Reach,
     RelativeResiduals,
     is_stable,
     moment_by_roll,
@@ -34,7 +33,7 @@ from flangeway.railway.wheelset.side_newton import (
     transferred_creep,
 )
 from flangeway.solve import Status
-from flangeway.types import Bools, Floats
+from flangeway.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,19 +144,17 @@ FINE_BENDING = np.array([1e-6, 1e-9, 1e-6, 1e-9])
 """Change of deflections in mm and tilts in rad of the seats that is round-off."""
 FINE_FORCES = 1e-7
 """Change of the forces of a step relative to their sum."""
-MAX_GROWTH, HALVED = 4.0, 0.25
-"""Largest step across the track relative to its limit; the part to which a step lowers the residual that goes well."""
-SADDLE = 1e-6
-"""Push on the unknown that leads relative to its stiffness, in mm or rad, that is round-off."""
-MIN_STIFFNESS = 1e-6
-"""Of a wheel that does not touch, weight per mm, so that it goes where it is pushed; also for rate and yaw."""
 ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
 """Error of the law of friction relative to the residual of the position before, its largest one, and the residual
 that other cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips relative to those of other cells up to which derivatives of creep forces serve there too."""
-DIRECT = 4.0
-"""See `_leads`."""
+FIRST_TIME, MIN_TIME, MAX_TIME = 100.0, 0.5, 1e9
+"""Time of the first step of a search, and its bounds, see `LinearWheelset`."""
+MIN_FALL, SENSE = 1e-3, 2.0
+"""Least ratio of residuals by which the time changes, and the factor on it by the sense of the steps."""
+MAX_LIMITS, TOP = 2.0, 1e-6
+"""Limits of a step that it has at most, and part of these that is round-off."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
 N_UNKNOWNS, BENDING, RATE, YAW = 9, slice(3, 7), 7, 8
@@ -208,6 +205,16 @@ class RollingPlace(NamedTuple):
         return np.array(self[BENDING])
 
 
+class Pace(NamedTuple):
+    """Time of the last step of a search, and this step relative to its limits, (9,)."""
+
+    time: float
+    step: Floats
+
+
+FIRST_PACE = Pace(FIRST_TIME, np.zeros(N_UNKNOWNS))
+
+
 @dataclass(frozen=True, eq=False)
 class WheelsetNewton:
     """A wheelset while its equilibrium is sought, a value: what a step passes on to the next.
@@ -218,20 +225,19 @@ class WheelsetNewton:
     - `creep`, `slopes`: creep forces of the step before, and how they change.
     - `errors`: equilibrium residuals of the positions on these cells, and the last one on those before.
     - `hanging`: steps in a row in which a wheel does not touch its rail.
-    - `reaches`: step limits across the track, and with friction of rate and yaw: surfaces that slip everywhere have no
-      slope that leads back.
+    - `pace`: of the search.
     """
 
     problem: WheelsetProblem
     compliance: Floats
     place: RollingPlace
     rolls: bool
-    reaches: Mapping[int, Reach]
     sides: Mapping[Side, SideNewton] = field(default_factory=dict)
     creep: Mapping[Side, SideCreep] = field(default_factory=dict)
     slopes: Mapping[Side, CreepSlopes] = field(default_factory=dict)
     errors: tuple[float, ...] = (1.0,)
     hanging: int = 0
+    pace: Pace = FIRST_PACE
 
     @classmethod
     def of(
@@ -245,14 +251,11 @@ class WheelsetNewton:
         rolls: bool = False,
     ) -> "WheelsetNewton":
         """A wheelset at a place, from a contact close by if there is one."""
-        across = {0: Reach(float(MAX_STEP[0]), MAX_GROWTH * float(MAX_STEP[0]))}
-        return cls(problem, compliance, place, rolls, across).on(grids, near)
+        return cls(problem, compliance, place, rolls).on(grids, near)
 
     def on(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> "WheelsetNewton":
         """The same on other cells, from a contact if it is known."""
-        across, sides, reaches = self.reaches[0], dict(self.sides), dict[int, Reach]()
-        if len(self.errors) > 1:  # steps were taken on the cells before
-            across = across.again(float(MAX_STEP[0]))
+        sides = dict(self.sides)
         slopes = {
             side: slopes.on_cells(self.sides[side].grid.grid, grids[side].grid)
             for side, slopes in self.slopes.items()
@@ -272,16 +275,12 @@ class WheelsetNewton:
                     increase = rolled.creep[side].gap_increase
                     opened = interpolated(increase, before.grid.grid.middles, grid.grid.middles)
             sides[side] = SideNewton.of(grid, self.pose_of(side), forces, creep, opened, rolls=self.rolls)
-        if self.rolls:
-            rate = MAX_CREEPAGE * self.place.rate_rad_s
-            reaches = {RATE: Reach(rate, rate), YAW: Reach(MAX_YAW_RAD, MAX_YAW_RAD)}
         return replace(
             self,
             sides=sides,
             slopes=slopes,
             creep=self.creep if rolled is None else rolled.creep,
             errors=(max(self.errors[-1], ERROR_OF_CELLS),),
-            reaches={0: across} | reaches,
         )
 
     def pose_of(self, side: Side) -> WheelPose:
@@ -309,17 +308,12 @@ class WheelsetNewton:
         """Whether a patch has come to an end of its cells."""
         return any(side.grid.cuts(side.forces) for side in self.sides.values())
 
-    @property
-    def is_halved(self) -> bool:
-        """Whether the last step has lowered the residual much: its derivatives still serve, and its direction does."""
-        return len(self.errors) > 2 and self.errors[-1] < HALVED * self.errors[-2]
-
     def _derivatives_still_valid(self, tolerance: float) -> bool:
         """Whether three more steps with these derivatives of creep forces would be enough: new ones cost as much."""
         if len(self.errors) < 3:
             return True
         before, error = self.errors[-2:]
-        return self.is_halved and error * (error / before) ** 3 <= tolerance
+        return error * (error / before) ** 3 <= tolerance
 
     def linearised(self, tolerance: float) -> "LinearWheelset":
         """Residuals and their derivatives at the place.
@@ -407,13 +401,14 @@ class LinearWheelset:
     @property
     def unlimited_step(self) -> Floats:
         """Newton's step of all unknowns, without limits."""
-        (step,) = _solved(self.jacobian, -self.residual[:, None], self.free, self.free)
+        step, free = np.zeros(N_UNKNOWNS), self.free
+        step[free] = np.linalg.solve(self.jacobian[np.ix_(free, free)], -self.residual[free])
         return step
 
     def step(self, tolerance: float) -> tuple[WheelsetNewton, bool]:
         """The wheelset after Newton's step within its limits, and whether it was in equilibrium."""
         newton, share = self.newton, tolerance / FINE_RESIDUAL
-        step, reaches = self._limited_step()
+        step, pace = self._stable_step()
         taken = {side: one.taken(motions_of(side) @ step) for side, one in newton.sides.items()}
         most = share * FINE_FORCES
         moving = (
@@ -425,87 +420,43 @@ class LinearWheelset:
         settled = self.relative.equilibrium_residual <= tolerance and not (bends or moving)
         settled = settled and all(change <= most for _, change in taken.values())
         sides = {side: one for side, (one, _) in taken.items()}
-        return replace(newton, place=newton.place.moved(step), sides=sides, reaches=reaches), settled
+        return replace(newton, place=newton.place.moved(step), sides=sides, pace=pace), settled
 
-    def _limited_step(self) -> tuple[Floats, Mapping[int, Reach]]:
-        """Newton's step, limited so that the wheelset goes where it is pushed.
+    def _stable_step(self) -> tuple[Floats, Pace]:
+        """Step within its limits towards an equilibrium that the wheelset does not leave, and the pace after it.
 
-        The rest of the unknowns is eliminated: what is left of the equation across the track at a fixed lateral
-        position is the slope of the energy along it, and its sign is the direction in which the wheelset moves.
-        With friction and a free yaw there are three such pairs of an unknown that leads and an equation, see `_leads`.
+        With the residual R and its derivatives J the unknowns follow ``M dq/dt = R`` by an implicit Euler step of the
+        time T, ``(M / T - J) dq = R`` (pseudo-transient continuation, Kelley and Keyes 1998). M is a force or a moment
+        over the limit of a step; the axle's bending has none. As T grows it is Newton's step; it goes where the
+        wheelset is pushed as long as 1 / T is above all real eigenvalues of ``M^-1 J``: it is at least twice the
+        largest one. T grows as the residual falls and while steps keep their sense.
         """
-        n, free, rolls, reaches = N_UNKNOWNS, self.free, self.newton.rolls, dict(self.newton.reaches)
-        problem, across, halved = self.newton.problem, bool(free[0]), self.newton.is_halved
-        limits = np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), np.inf, MAX_YAW_RAD])
-        columns, rows = free.copy(), free.copy()
+        newton, problem, free, errors = self.newton, self.newton.problem, self.free, self.newton.errors
         arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
-        turning = radius / self.newton.place.rate_rad_s if rolls else 0.0
-        least = np.array([1.0, 1.0, arm**2, *NOT_BENT, turning, arm])
-        jacobian = self.jacobian - np.diag(MIN_STIFFNESS * problem.forces.vertical_N * least)
-        lead, row = 0, 0
-        if across and free[YAW]:
-            assert self.newton.motion is not None
-            lead, row = _leads(jacobian, free, self.newton.motion.yaw_stiffness)
-        sense = 1.0 if lead == row else -1.0
-        columns[lead] = False
-        if across:
-            rows[row] = False
-        right = -np.stack((self.residual, self.jacobian[:, lead]), axis=1)
-        step, by_lead = _solved(jacobian, right, rows, columns)
-        # an unknown whose step is limited goes where it is pushed, and the rest comes into equilibrium all the same:
-        # without friction the energy falls that way, and moments of wheels that slip everywhere hardly depend on rate
-        # and yaw; with creep forces it holds for these alone, also where friction that falls turns their slope over
-        numbers = np.arange(n)
-        pushed = columns & rows & ((numbers < BENDING.start) if not rolls else numbers >= RATE)
-        wanted = step.copy()
-        if rolls:
-            for number in numbers[pushed]:
-                if self._turns_over(jacobian, step, rows, columns, number):
-                    wanted[number] = np.copysign(np.inf, self.residual[number])
-            for number in (RATE, YAW):
-                if pushed[number]:  # not a yaw that leads, or that balances the lateral force
-                    reaches[number] = reaches[number].towards(float(wanted[number]), halved=halved)
-                    limits[number] = reaches[number].limit
-        limited = pushed & (np.abs(wanted) > limits)
-        if limited.any():
-            part = np.where(limited, np.copysign(limits, self.residual), 0.0)
-            right[:, 0] -= jacobian @ part
-            step, by_lead = _solved(jacobian, right, rows & ~limited, columns & ~limited)
-            step += part
-        excess = float((np.abs(step) / limits).max())
-        if excess > 1.0:
-            return step / excess, _after(reaches, step / excess)
-        way = self.newton.way_left
-        if across:
-            push = sense * float(self.residual[row] + self.jacobian[row] @ step)
-            slope = sense * float(self.jacobian[row, lead] + self.jacobian[row] @ by_lead)
-            way = -push / slope if slope < 0.0 else float(np.copysign(np.inf, push))
-            if slope >= 0.0 and abs(push) < SADDLE * abs(self.jacobian[row, lead]):
-                # on top of the energy both ways lead down: to the left, whatever round-off says; friction has no energy
-                way = -np.inf if not rolls else 0.0
-        reach = reaches[lead].towards(way, halved=halved)
-        way = float(np.clip(way, -reach.limit, reach.limit))
-        reaches[lead] = replace(reach, last=way)
-        by_lead[lead], limits[lead] = 1.0, np.inf
-        step += way * by_lead
-        step /= max(float((np.abs(step) / limits).max()), 1.0)
-        return step, _after(reaches, step)
+        rate = MAX_CREEPAGE * newton.place.rate_rad_s if newton.rolls else 1.0
+        limits = np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), rate, MAX_YAW_RAD])
+        mass = problem.forces.vertical_N * np.array([1.0, 1.0, arm, *NOT_BENT, radius, arm]) / limits
+        time = min(newton.pace.time * max(errors[-2] / max(errors[-1], 1e-300), MIN_FALL), MAX_TIME)
+        driven = np.flatnonzero(free & (mass > 0.0))
+        rates = np.linalg.eigvals(self.condensed(driven) / mass[driven, None])
+        leaving = 2.0 * float(rates.real[rates.imag == 0.0].max(initial=0.0))
+        step, longest = np.zeros(N_UNKNOWNS), MAX_LIMITS * limits
+        step[0] = np.clip(newton.way_left, -longest[0], longest[0])
+        matrix = np.diag(max(1.0 / time, leaving) * mass) - self.jacobian
+        right = self.residual + self.jacobian[:, 0] * step[0]
+        step[free] = np.linalg.solve(matrix[np.ix_(free, free)], right[free])
+        step /= max(float((np.abs(step) / longest).max()), 1.0)
+        if leaving > 0.0 and not newton.rolls and free[0] and (np.abs(step) < TOP * longest).all():
+            step[0] = -MAX_STEP[0]  # on top of the energy both ways lead down: to the left, whatever round-off says
+        ways = step / limits
+        time *= SENSE if ways @ newton.pace.step >= 0.0 else 1.0 / SENSE
+        return step, Pace(max(time, MIN_TIME), ways)
 
-    def _turns_over(self, jacobian: Floats, step: Floats, rows: Bools, columns: Bools, number: int) -> bool:
-        """Whether Newton's step of an unknown goes against the push on it where the rest is in equilibrium.
-
-        Its equation rises with it there: an equilibrium ahead would be one that the wheelset leaves.
-        """
-        rest = np.arange(len(step)) != number
-        (held,) = _solved(jacobian, -self.residual[:, None], rows & rest, columns & rest)
-        return bool((self.residual[number] + jacobian[number] @ held) * step[number] < 0.0)
-
-    @property
-    def condensed(self) -> Floats:
-        """Derivatives of the residual by the position where the axle bends with it, (3, 3)."""
+    def condensed(self, unknowns: Ints) -> Floats:
+        """Derivatives of the residual by some unknowns where the axle bends with them."""
         jacobian = self.jacobian
-        bends = np.linalg.solve(jacobian[BENDING, BENDING], jacobian[BENDING, :3])
-        condensed: Floats = jacobian[:3, :3] - jacobian[:3, BENDING] @ bends
+        bends = np.linalg.solve(jacobian[BENDING, BENDING], jacobian[BENDING, unknowns])
+        condensed: Floats = jacobian[np.ix_(unknowns, unknowns)] - jacobian[unknowns, BENDING] @ bends
         return condensed
 
     def equilibrium(self, newton: WheelsetNewton, status: Status) -> Equilibrium[SpatialState]:
@@ -515,42 +466,6 @@ class LinearWheelset:
             place = newton.place
             rolled = RolledWheelset(newton.creep, place.rate_rad_s, place.yaw_rad, self.yaw_moment_Nmm, self.torque_Nmm)
         elif self.free[:3].all():
-            stable = is_stable(newton.problem, self.condensed)
+            stable = is_stable(newton.problem, self.condensed(np.arange(3)))
         state = replace(newton.contact, rolled=rolled)
         return Equilibrium(status, newton.place.position, self.relative, state, self.residual[:3], stable)
-
-
-def _solved(jacobian: Floats, right: Floats, rows: Bools, columns: Bools) -> Floats:
-    """Solutions of some equations for some unknowns, the others 0, one for each right-hand side (n, k); (k, n)."""
-    solutions = np.zeros(right.shape[::-1])
-    solutions[:, columns] = np.linalg.solve(jacobian[np.ix_(rows, columns)], right[rows]).T
-    return solutions
-
-
-def _after(reaches: Mapping[int, Reach], step: Floats) -> dict[int, Reach]:
-    """Step limits after a step; that across remembers the way that it would go without the limits of the others."""
-    return {number: replace(reach, last=float(step[number])) if number else reach for number, reach in reaches.items()}
-
-
-def _leads(jacobian: Floats, free: Bools, yaw_stiffness: float) -> tuple[int, int]:
-    """Which unknown goes where the wheelset is pushed, as all others follow, and the equation that pushes it.
-
-    By the derivatives of lateral force and yaw moment by displacement across and yaw where the other unknowns follow:
-
-    - Where the flange holds the wheelset across, so that a step of the yaw changes the lateral force by less than a
-      step across, the yaw goes where its moment pushes it.
-    - Where guidance and flange hold both, and the product of their stiffnesses is larger than that of the other
-      derivatives, the wheelset goes across where the lateral force pushes it.
-    - Else yaw balances the lateral force by creepage, and the wheelset goes across where the yaw moment leads it.
-      Where both products are alike (`DIRECT`) the tangent is nearly singular, and it turns to the rolling line by the
-      sign of the moment. Creep forces alone hold no yaw: they are limited.
-    """
-    both, rest = [0, YAW], np.flatnonzero(free)
-    rest = rest[(rest != 0) & (rest != YAW)]
-    follow = np.linalg.solve(jacobian[np.ix_(rest, rest)], jacobian[np.ix_(rest, both)])
-    (by_x, by_yaw), (moment_by_x, _) = jacobian[np.ix_(both, both)] - jacobian[np.ix_(both, rest)] @ follow
-    stiffness = max(-by_x, 0.0)
-    if abs(by_yaw) * MAX_YAW_RAD < stiffness * MAX_STEP[0]:
-        return YAW, YAW
-    direct = stiffness * yaw_stiffness
-    return 0, 0 if -direct < by_yaw * moment_by_x < direct / DIRECT else YAW
