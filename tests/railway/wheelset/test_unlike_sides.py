@@ -132,3 +132,64 @@ def test_plane_rails_of_unlike_inclination_exchanged_are_the_mirror_image():
     assert (x, y, roll) == pytest.approx((-other_x, other_y, -other_roll), rel=1e-6, abs=1e-9)
     for one, other in zip(found[0].patches, found[1].patches[::-1], strict=True):
         assert one.force_on_wheel_N == pytest.approx(other.force_on_wheel_N * (-1.0, 1.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("wheels", ["joined", "independent"])
+def test_cones_in_a_curve_roll_at_rates_of_their_own_if_they_are_independent(wheels):
+    """Independent: V (1 + x / R) / r to 1e-5, and of the longitudinal forces only what balances the moment of spin.
+
+    Both forces are ``-M sin(gamma) / r`` with the contact angle gamma: without torque about the axle. Wheels that are
+    joined slip by half of the difference of these rates, with opposite forces of 33 kN.
+    """
+    curve = {"radius_m": 300.0, "speed_km_h": 36.0, "superelevation_mm": "from-speed"}
+    found = solved(
+        track={"rail": "136RE"},
+        wheelset={"wheel": "AAR-1B", "axle": "rigid", "wheels": wheels},
+        load={"axle_load_kN": 200.0, "curve": curve},
+        position={"lateral_mm": 1.0},
+        rolling={"friction": 0.3, "theory": "linear"},
+    )
+    rolled, speed = found.equilibrium.state.rolled, 1e3 * found.problem.speed_m_s
+    free = wheels == "independent"
+    assert (rolled.rate_difference_rad_s is not None) == free
+    forces, slips, own_rates = [], [], []
+    for patch, creep in found.rolling:
+        outwards = 1.0 if patch.side == "right" else -1.0
+        rate = rolled.rate_rad_s + outwards * (rolled.rate_difference_rad_s or 0.0) / 2.0
+        own = speed * (1.0 + patch.centre_mm[0] / 300e3) / patch.rolling_radius_mm
+        slips.append(rate / own - 1.0)
+        own_rates.append(own)
+        forces.append(patch.creep_force_on_wheel_N[2])
+        if free:
+            spin = creep.forces.moment * np.sin(patch.contact_angle_rad) / patch.rolling_radius_mm
+            assert forces[-1] == pytest.approx(-spin, rel=0.01)
+    left, right = slips
+    if free:
+        assert (left, right) == pytest.approx((0.0, 0.0), abs=1e-5)
+        return
+    half = np.ptp(own_rates) / np.sum(own_rates)
+    assert half > 2e-3
+    assert (left, right) == pytest.approx((half, -half), rel=0.01)
+    assert forces[0] == pytest.approx(-forces[1], rel=1e-3)
+    assert forces[0] > 30e3
+
+
+def test_unlike_friction_under_independent_wheels_exchanged_is_the_mirror_image():
+    """An eccentric load, a torque and a greased rail: each wheel transmits half of the torque, on both sides."""
+    found, torque = {}, 2.0e6
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        found[side] = solved(
+            track={side: {"friction": 0.1}},
+            wheelset={"wheels": "independent"},
+            load={"axle_load_kN": 1e-3 * WEIGHT, "offset_mm": sign * OFFSET},
+            position={"lateral_mm": sign * 1.0, "yaw_mrad": sign * 2.0},
+            rolling={"friction": 0.4, "speed_km_h": 72.0, "theory": "fastsim", "torque_kNm": 1e-6 * torque},
+        )
+    assert_mirrored(found["left"], found["right"])
+    left, right = (found[side].equilibrium.state.rolled for side in SIDES)
+    assert left.rate_rad_s == pytest.approx(right.rate_rad_s, rel=1e-8)
+    assert left.rate_difference_rad_s == pytest.approx(-right.rate_difference_rad_s, abs=1e-6)
+    assert abs(left.rate_difference_rad_s) > 1e-3
+    for rolled in (left, right):
+        of_wheels = [float(rolled.creep[side].resultant[6]) for side in SIDES]
+        assert of_wheels == pytest.approx([-torque / 2.0] * 2, rel=1e-5)

@@ -32,7 +32,7 @@ def test_the_stiffness_across_and_upwards_is_symmetric(axle):
     wheelset = SpatialWheelset(case, running_surfaces(case))
     equilibrium = solve_position(wheelset, {}).equilibrium
     state = equilibrium.state
-    place = RollingPlace.at(equilibrium.position, bending_of(state.sides), 0.0, 0.0)
+    place = RollingPlace.at(equilibrium.position, bending_of(state.sides), (0.0, 0.0), 0.0)
     newton = WheelsetNewton.of(case, wheelset.compliance, place, state.grids, state)
     whole = -newton.linearised(1e-8).condensed(np.arange(3))
     (_, k_xy), (k_yx, k_yy) = whole[:2, :2] - whole[:2, 2:] @ whole[2:, :2] / whole[2, 2]

@@ -477,6 +477,13 @@ ROLLING: Quantities[SpatialResult] = (
     *of_part(
         _rolled,
         Quantity("rate", "rotation", lambda rolled: rolled.rate_rad_s, "rad/s", ".4f"),
+        Quantity(
+            "rate_difference",
+            "rotation of independent wheels, right less left",
+            lambda rolled: rolled.rate_difference_rad_s,
+            "rad/s",
+            ".4f",
+        ),
         Quantity("yaw", "yaw", lambda rolled: rolled.yaw_rad, "mrad", ".3f", factor=1e3),
         Quantity(
             "yaw_moment",
@@ -511,7 +518,7 @@ ROLLING: Quantities[SpatialResult] = (
         lambda result: result.kinematic_wavelength_mm,
         "m",
         ".2f",
-        meaning="of the equivalent conicity of rigid wheels at 3 mm; none where it is not positive",
+        meaning="of the equivalent conicity of rigid joined wheels at 3 mm; none where it is not positive",
         factor=1e-3,
     ),
     Quantity("kinematic_frequency", "  frequency", _frequency, "Hz", ".2f"),

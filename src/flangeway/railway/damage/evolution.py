@@ -355,7 +355,7 @@ class Evolution:
             self.laws,
             self.collective.separate,
             *(
-                (state.share, state.problem, state.problem.track.rails, state.problem.wheels.wheels)
+                (state.share, state.problem, state.problem.track.rails, state.problem.wheels.profiles)
                 for state in self.collective.states
             ),
         ]

@@ -327,7 +327,7 @@ class RigidWheelPair(Record):
     """where radii are measured"""
 
     @cached_property
-    def wheels(self) -> dict[Side, WheelProfile]:
+    def profiles(self) -> dict[Side, WheelProfile]:
         """Wheels by side, one object where the sides name the same."""
         own = {side: self.side(side).wheel for side in SIDES}
         return _profiles_of("wheel", "wheelset", self.wheel, own)
@@ -354,7 +354,7 @@ class RigidWheelPair(Record):
 
     def wheel_of(self, side: Side) -> WheelProfile:
         """Profile of the wheel of a side, in the right-hand form; an `InputError` if its file cannot be read."""
-        return self.wheels[side]
+        return self.profiles[side]
 
     def tape_radius_of(self, side: Side) -> float:
         """Rolling radius of the wheel of a side at the tape line, in mm."""
@@ -373,7 +373,7 @@ class RigidWheelPair(Record):
         """Return the wheels with their distance, by the gauge of their track if none is given."""
         if self.back_to_back_mm is not None:
             return self
-        _ = self.wheels  # read once for both
+        _ = self.profiles  # read once for both
         return self.model_copy(update={"back_to_back_mm": usual_gauge(track.gauge_mm).back_to_back_mm})
 
     def placement(self, side: Side) -> Placement:
@@ -390,6 +390,8 @@ class WheelPair(RigidWheelPair):
     """what of the wheels is elastic"""
     axle: Axle = ElasticAxle()
     """how the axle bends"""
+    wheels: Literal["joined", "independent"] = "joined"
+    """joined: both wheels roll at one rate of rotation; independent: each at its own, with half of the torque"""
 
 
 @dataclass(frozen=True)

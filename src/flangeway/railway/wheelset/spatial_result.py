@@ -128,8 +128,9 @@ class SpatialResult(Shown):
 
     @property
     def kinematic_wavelength_mm(self) -> float | None:
-        """Wavelength of the rigid wheelset's kinematic motion (Klingel, 1883), None if its conicity is not positive.
+        """Wavelength of the rigid wheelset's kinematic motion (Klingel, 1883).
 
+        None if its conicity is not positive, or its wheels are independent.
         For the equivalent conicity (EN 15302) at an amplitude of 3 mm.
         """
         geometry, problem = self.wheelset.geometry, self.problem
@@ -138,7 +139,7 @@ class SpatialResult(Shown):
             conicity = float(equivalent_conicity(RollingRadiusDifference.of(geometry.locus(lateral)), KLINGEL_MM)[0])
         except InputError:
             return None
-        if not conicity > 0.0:
+        if not conicity > 0.0 or problem.wheelset.wheels == "independent":
             return None
         distance = problem.track.gauge_mm + RUNNING_CIRCLES_MM
         return float(klingel_wavelength(conicity, distance, problem.wheels.tape_radius_mm))

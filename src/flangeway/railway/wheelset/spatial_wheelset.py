@@ -15,7 +15,7 @@ from flangeway.railway.track.rolling import RollingMotion, on_gauge_face
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import MAX_STEP, MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.fine_cells import divided, finer
-from flangeway.railway.wheelset.rolling.wheelset_creep import rate_of
+from flangeway.railway.wheelset.rolling.wheelset_creep import rates_of
 from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, SideSurfaces, wheel_gap
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import (
@@ -96,7 +96,7 @@ class SpatialWheelset:
         """Rigid geometry of the wheelset on its track."""
         track, wheels = self.problem.track, self.problem.wheels
         # files of one name may have changed: profiles count as they were read
-        profiles = (*track.rails.values(), *wheels.wheels.values())
+        profiles = (*track.rails.values(), *wheels.profiles.values())
         return _rigid_geometry(track, wheels, self.problem.position.yaw_rad, profiles)
 
     @property
@@ -122,13 +122,13 @@ class SpatialWheelset:
         kept = None, *self.problem.position.components[1:]  # the wheelset is moved to a lateral position
         position = WheelsetPosition(*(a if b is None else b for a, b in zip(start.components, kept, strict=True)))
         grids = self.whole(position, None, {})
-        place = RollingPlace.at(position, self._bending_by_load, 0.0, self.problem.position.yaw_rad)
+        place = RollingPlace.at(position, self._bending_by_load, (0.0, 0.0), self.problem.position.yaw_rad)
         newton = WheelsetNewton.of(self.problem, self.compliance, place, grids)
         if self.problem.friction is None:
             return self._search(newton, _Cells(self, position, ((self.problem.patch_cells, FINE_RESIDUAL),)), progress)
         free = self._search(newton, _Cells(self, position, ()), progress)
-        rate, bending = rate_of(self.problem, free.state.sides), bending_of(free.state.sides)
-        place = RollingPlace.at(free.position, bending, rate, self.problem.position.yaw_rad)
+        rates, bending = rates_of(self.problem, free.state.sides), bending_of(free.state.sides)
+        place = RollingPlace.at(free.position, bending, rates, self.problem.position.yaw_rad)
         return self._rolling(place, free.state, progress)
 
     def _rolling(

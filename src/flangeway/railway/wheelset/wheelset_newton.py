@@ -1,10 +1,12 @@
 """Equilibrium of a wheelset in three dimensions by Newton's method, without friction or with creep forces.
 
 Unknown are the position, deflections and tilts of the axle's seats, and with friction the rate of rotation about the
-axle and, if it is not prescribed, the yaw. The derivatives are those of `SideNewton` and of `WheelsetCreep`. What a
-step passes on is a value: `WheelsetNewton.linearised` has its equations, `LinearWheelset.step` what comes after it.
+axle, the difference of both rates where wheels are independent, and the yaw if it is not prescribed. The derivatives
+are those of `SideNewton` and of `WheelsetCreep`. What a step passes on is a value: `WheelsetNewton.linearised` has its
+equations, `LinearWheelset.step` what comes after it.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -41,7 +43,8 @@ class RolledWheelset:
     """What rolling adds to an equilibrium.
 
     - `creep`: creep forces of both sides in their right-hand forms.
-    - `rate_rad_s`: rate of rotation about the axle.
+    - `rate_rad_s`: rate of rotation about the axle, the mean of both wheels.
+    - `rate_difference_rad_s`: of independent wheels, right less left; None where they are joined.
     - `yaw_rad`: yaw of the axle.
     - `yaw_moment_Nmm`: of contact and creep forces on the wheelset, counter-clockwise from above.
     - `torque_Nmm`: of creep forces about the axle, > 0 where they drive it.
@@ -52,6 +55,7 @@ class RolledWheelset:
     yaw_rad: float
     yaw_moment_Nmm: float  # noqa: N815 (units in names)
     torque_Nmm: float  # noqa: N815
+    rate_difference_rad_s: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +82,9 @@ def signs_of(side: Side) -> Floats:
 
 
 def motions_of(side: Side) -> Floats:
-    """How a side moves by `MOTIONS` as the unknowns change, (7, 9)."""
+    """How a side moves by `MOTIONS` as the unknowns change, (7, 10)."""
     sign, motions = SIDE_SIGN[side], np.zeros((len(MOTIONS), N_UNKNOWNS))
+    motions[MOTIONS.index("rate"), DIFFERENCE] = sign / 2.0
     numbers = [0, 1, 2, *np.add(BENDING.start, seat_of(side)).tolist(), RATE, YAW]
     motions[np.arange(len(MOTIONS)), numbers] = sign, 1.0, sign, 1.0, sign, 1.0, sign
     return motions
@@ -149,23 +154,23 @@ ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
 that other cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips relative to those of other cells up to which derivatives of creep forces serve there too."""
-FIRST_TIME, MIN_TIME, MAX_TIME = 100.0, 0.5, 1e9
-"""Time of the first step of a search, and its bounds, see `LinearWheelset`."""
+FIRST_TIME, FIRST_TIME_ROLLING, MIN_TIME, MAX_TIME = 100.0, 10.0, 0.5, 1e9
+"""Time of the first step of a search without friction and with it, and its bounds, see `LinearWheelset`."""
 MIN_FALL, SENSE = 1e-3, 2.0
 """Least ratio of residuals by which the time changes, and the factor on it by the sense of the steps."""
 MAX_LIMITS, TOP = 2.0, 1e-6
 """Limits of a step that it has at most, and part of these that is round-off."""
 MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
-N_UNKNOWNS, BENDING, RATE, YAW = 9, slice(3, 7), 7, 8
+N_UNKNOWNS, BENDING, RATE, DIFFERENCE, YAW = 10, slice(3, 7), 7, 8, 9
 """Numbers of the unknowns behind the position: deflection and tilt of the left and the right seat, and with friction
-the rate of rotation and the yaw."""
+the rate of rotation, the difference of the wheels' rates (right less left), and the yaw."""
 
 
 class RollingPlace(NamedTuple):
-    """Where a wheelset stands: position of the axle's middle, bending at both wheels, rate of rotation, and yaw.
+    """Where a wheelset stands: position of the axle's middle, bending at both wheels, rates of rotation, and yaw.
 
-    Without friction the rate is 0.
+    Without friction the rate is 0, and of wheels that are joined the difference of their rates.
     """
 
     lateral_mm: float
@@ -176,22 +181,29 @@ class RollingPlace(NamedTuple):
     right_deflection_mm: float
     right_tilt_rad: float
     rate_rad_s: float
+    rate_difference_rad_s: float
     yaw_rad: float
 
     @classmethod
-    def at(cls, position: WheelsetPosition, bending: Floats, rate: float, yaw: float) -> "RollingPlace":
+    def at(cls, position: WheelsetPosition, bending: Floats, rates: tuple[float, float], yaw: float) -> "RollingPlace":
         """Place at a position of the axle's middle with deflection and tilt of the left and the right seat, (4,)."""
-        return cls(*map(float, (*position.components, *bending, rate, yaw)))
+        return cls(*map(float, (*position.components, *bending, *rates, yaw)))
 
     @classmethod
     def of(cls, equilibrium: Equilibrium[SpatialState]) -> "RollingPlace":
         """Place of an equilibrium; without friction it has no yaw of its own, and no rate."""
         rolled, bending = equilibrium.state.rolled, bending_of(equilibrium.state.sides)
-        motion = (0.0, 0.0) if rolled is None else (rolled.rate_rad_s, rolled.yaw_rad)
-        return cls.at(equilibrium.position, bending, *motion)
+        if rolled is None:
+            return cls.at(equilibrium.position, bending, (0.0, 0.0), 0.0)
+        rates = rolled.rate_rad_s, rolled.rate_difference_rad_s or 0.0
+        return cls.at(equilibrium.position, bending, rates, rolled.yaw_rad)
+
+    def rate_of(self, side: Side) -> float:
+        """Rate of rotation of the wheel of a side."""
+        return self.rate_rad_s + SIDE_SIGN[side] * self.rate_difference_rad_s / 2.0
 
     def moved(self, step: Floats) -> "RollingPlace":
-        """Place after a step of all unknowns, (9,)."""
+        """Place after a step of all unknowns, (10,)."""
         return RollingPlace(*np.add(self, step).tolist())
 
     @property
@@ -206,13 +218,10 @@ class RollingPlace(NamedTuple):
 
 
 class Pace(NamedTuple):
-    """Time of the last step of a search, and this step relative to its limits, (9,)."""
+    """Time of the last step of a search, and this step relative to its limits, (10,)."""
 
     time: float
     step: Floats
-
-
-FIRST_PACE = Pace(FIRST_TIME, np.zeros(N_UNKNOWNS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,12 +241,12 @@ class WheelsetNewton:
     compliance: Floats
     place: RollingPlace
     rolls: bool
+    pace: Pace
     sides: Mapping[Side, SideNewton] = field(default_factory=dict)
     creep: Mapping[Side, SideCreep] = field(default_factory=dict)
     slopes: Mapping[Side, CreepSlopes] = field(default_factory=dict)
     errors: tuple[float, ...] = (1.0,)
     hanging: int = 0
-    pace: Pace = FIRST_PACE
 
     @classmethod
     def of(
@@ -251,7 +260,10 @@ class WheelsetNewton:
         rolls: bool = False,
     ) -> "WheelsetNewton":
         """A wheelset at a place, from a contact close by if there is one."""
-        return cls(problem, compliance, place, rolls).on(grids, near)
+        if problem.wheelset.wheels == "joined":
+            place = place._replace(rate_difference_rad_s=0.0)
+        pace = Pace(FIRST_TIME_ROLLING if rolls else FIRST_TIME, np.zeros(N_UNKNOWNS))
+        return cls(problem, compliance, place, rolls, pace).on(grids, near)
 
     def on(self, grids: Mapping[Side, GriddedSide], near: SpatialState | None) -> "WheelsetNewton":
         """The same on other cells, from a contact if it is known."""
@@ -293,6 +305,11 @@ class WheelsetNewton:
         return self.problem.rolling if self.rolls else None
 
     @property
+    def turn_independently(self) -> bool:
+        """Whether both wheels roll at rates of their own."""
+        return self.rolls and self.problem.wheelset.wheels == "independent"
+
+    @property
     def contact(self) -> SpatialState:
         """Contact of both sides."""
         return SpatialState({side: newton.state for side, newton in self.sides.items()})
@@ -325,8 +342,8 @@ class WheelsetNewton:
         if self.rolls:
             # the law of friction need not hold better than the equilibrium
             error = float(np.clip(ERROR_OF_LAW * self.errors[-1], TOLERANCE, MAX_ERROR_OF_LAW))
-            theory = WheelsetCreep(self.problem, self.place.rate_rad_s, error)
             for side, newton in sides.items():
+                theory = WheelsetCreep(self.problem, self.place.rate_of(side), error)
                 normal, (forces, _) = np.zeros(newton.forces.shape), newton.solved
                 normal[newton.touching] = np.maximum(forces, 0.0)
                 now = creep[side] = theory.of_side(side, newton, normal, creep.get(side))
@@ -342,8 +359,8 @@ class LinearWheelset:
 
     - `newton`: the wheelset there; the last of its `errors` is the residual here.
     - `residual`: what is left of the equations: force and moment on the wheelset, bending of the axle, torque, yaw
-      moment, (9,).
-    - `jacobian`: its derivatives by `RollingPlace`, (9, 9).
+      moment, (10,).
+    - `jacobian`: its derivatives by `RollingPlace`, (10, 10).
     - `torque_Nmm`, `yaw_moment_Nmm`: of contact and creep forces.
     """
 
@@ -366,6 +383,7 @@ class LinearWheelset:
             wrench = normal + creep[[0, 1, 5]]
             total[:3] += sign[:, None] * wrench
             total[RATE] += creep[6]
+            total[DIFFERENCE] += sign[0] * creep[6] / 2.0
             total[YAW] -= sign[0] * (creep[4] + side_newton.yaw_moment @ motion)
             # tau - C s = 0 with the forces on the seats in the track's axes
             _, by_resultant, by_motion = on_seat(side_newton.pose, wrench[:, 0])
@@ -377,7 +395,7 @@ class LinearWheelset:
         total[2, 3] += moment_by_roll(problem, place.roll_rad)
         total[BENDING, 0] += place.bending
         total[BENDING, 1:][:, BENDING] += np.eye(4)
-        total[[RATE, YAW]] *= newton.rolls
+        total[[RATE, DIFFERENCE, YAW]] *= newton.rolls
         if (rolling := newton.motion) is not None:
             total[RATE, 0] += rolling.torque
             total[YAW, 0] -= rolling.yaw_stiffness * (place.yaw_rad - problem.position.yaw_rad)
@@ -385,7 +403,8 @@ class LinearWheelset:
             weight, arm = problem.forces.vertical_N, problem.wheels.distance_mm / 2.0
             relative = replace(
                 relative,
-                torque_residual=float(total[RATE, 0]) / (weight * problem.wheels.tape_radius_mm),
+                torque_residual=math.hypot(total[RATE, 0], newton.turn_independently * total[DIFFERENCE, 0])
+                / (weight * problem.wheels.tape_radius_mm),
                 yaw_residual=float(total[YAW, 0]) / (weight * arm) * rolling.yaw_is_free,
             )
         newton = replace(newton, errors=(*newton.errors, relative.equilibrium_residual))
@@ -393,10 +412,11 @@ class LinearWheelset:
 
     @property
     def free(self) -> Bools:
-        """Which of the unknowns are sought, (9,)."""
+        """Which of the unknowns are sought, (10,)."""
         rolling, position = self.newton.motion, self.newton.problem.position.components
         yaws = rolling is not None and rolling.yaw_is_free
-        return np.array([*(value is None for value in position), *[True] * 4, rolling is not None, yaws])
+        rates = rolling is not None, self.newton.turn_independently
+        return np.array([*(value is None for value in position), *[True] * 4, *rates, yaws])
 
     @property
     def unlimited_step(self) -> Floats:
@@ -434,8 +454,8 @@ class LinearWheelset:
         newton, problem, free, errors = self.newton, self.newton.problem, self.free, self.newton.errors
         arm, radius = problem.wheels.distance_mm / 2.0, problem.wheels.tape_radius_mm
         rate = MAX_CREEPAGE * newton.place.rate_rad_s if newton.rolls else 1.0
-        limits = np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), rate, MAX_YAW_RAD])
-        mass = problem.forces.vertical_N * np.array([1.0, 1.0, arm, *NOT_BENT, radius, arm]) / limits
+        limits = np.array([*MAX_STEP, *2 * (MAX_STEP[1], MAX_STEP[2]), rate, rate, MAX_YAW_RAD])
+        mass = problem.forces.vertical_N * np.array([1.0, 1.0, arm, *NOT_BENT, radius, radius, arm]) / limits
         time = min(newton.pace.time * max(errors[-2] / max(errors[-1], 1e-300), MIN_FALL), MAX_TIME)
         driven = np.flatnonzero(free & (mass > 0.0))
         rates = np.linalg.eigvals(self.condensed(driven) / mass[driven, None])
@@ -463,8 +483,9 @@ class LinearWheelset:
         """What there is after a step."""
         rolled = stable = None
         if newton.rolls:
-            place = newton.place
-            rolled = RolledWheelset(newton.creep, place.rate_rad_s, place.yaw_rad, self.yaw_moment_Nmm, self.torque_Nmm)
+            place, moments = newton.place, (self.yaw_moment_Nmm, self.torque_Nmm)
+            difference = place.rate_difference_rad_s if newton.turn_independently else None
+            rolled = RolledWheelset(newton.creep, place.rate_rad_s, place.yaw_rad, *moments, difference)
         elif self.free[:3].all():
             stable = is_stable(newton.problem, self.condensed(np.arange(3)))
         state = replace(newton.contact, rolled=rolled)

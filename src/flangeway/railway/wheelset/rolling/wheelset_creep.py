@@ -457,12 +457,17 @@ def _resultant(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: 
     return np.asarray(of_rows + np.concatenate((np.zeros(3), spinning, [spinning @ pose.axis])))
 
 
-def rate_of(problem: WheelsetProblem, states: Mapping[Side, SideState]) -> float:
-    """Rate of rotation about the axle without creepage at the mean radius of the contacts."""
+def rates_of(problem: WheelsetProblem, states: Mapping[Side, SideState]) -> tuple[float, float]:
+    """Rate of rotation about the axle without creepage at the mean radius of the contacts.
+
+    With it the difference of both wheels' rates, right less left, at the radii of their own; 0 where they are joined.
+    """
     radii = []
     for side in SIDES:
         state = states[side]
         rows = state.forces.sum(axis=1)
         if rows.any():
             radii.append(float(np.average(state.pose.middle[1] - state.points[:, 1], weights=rows)))
-    return 1e3 * problem.speed_m_s / float(np.mean(radii))
+    rate = 1e3 * problem.speed_m_s / float(np.mean(radii))
+    apart = problem.wheelset.wheels == "independent" and len(radii) == len(SIDES)
+    return rate, rate * (radii[0] / radii[1] - 1.0) * apart
