@@ -20,6 +20,7 @@ from flangeway.railway.wheelset.side_contact import GriddedSide, SideState, Side
 from flangeway.railway.wheelset.side_newton import solve_side, transferred, transferred_creep
 from flangeway.railway.wheelset.wheelset_newton import (
     FINE_RESIDUAL,
+    MAX_TIME,
     RollingPlace,
     SpatialState,
     WheelsetNewton,
@@ -61,6 +62,8 @@ MAX_GRIDS = 6
 """Fine grids that are made near the equilibrium, also to add patches outside of them."""
 MAX_HANGING = 30
 """Steps in a row in which a wheel on the way to a lateral position may touch nothing."""
+MAX_SHIFTED_STEPS, SHORT_STEP_MM = 10, 0.01
+"""Steps on cells that are shifted, at most, and a lateral one that is short."""
 MAX_TURN_RAD = 0.05
 """Yaw beyond that of the guidance where the search for it ends; wheelsets in the sharpest curves run at half of it."""
 MAX_RIGID = 64
@@ -191,12 +194,18 @@ class SpatialWheelset:
 
         Slip zones are as thin as a cell, so that creep forces change with the position of the edges of the patches in
         the cells; where the lateral force hardly depends on the lateral position, they balance at several positions.
-        By one Newton's step: the change of all forces on the other cells times the inverse of their derivatives.
+        By Newton's steps on the other cells, until they are short: mostly the first one is.
         """
         place = RollingPlace.of(equilibrium)
         grids = {side: replace(grid, grid=grid.grid.staggered) for side, grid in equilibrium.state.grids.items()}
         newton = WheelsetNewton.of(self.problem, self.compliance, place, grids, equilibrium.state, rolls=True)
-        return abs(float(newton.linearised(FINE_RESIDUAL).unlimited_step[0]))
+        newton = replace(newton, pace=newton.pace._replace(time=MAX_TIME))
+        for _ in range(MAX_SHIFTED_STEPS):
+            previous = newton.place.lateral_mm
+            newton, _ = newton.linearised(FINE_RESIDUAL).step(FINE_RESIDUAL)
+            if abs(newton.place.lateral_mm - previous) < SHORT_STEP_MM:
+                break
+        return abs(newton.place.lateral_mm - place.lateral_mm)
 
     def rise(self, position: WheelsetPosition) -> float:
         """How much higher the wheels are at a position than rigid in the middle of the track, mm."""

@@ -418,13 +418,6 @@ class LinearWheelset:
         rates = rolling is not None, self.newton.turn_independently
         return np.array([*(value is None for value in position), *[True] * 4, *rates, yaws])
 
-    @property
-    def unlimited_step(self) -> Floats:
-        """Newton's step of all unknowns, without limits."""
-        step, free = np.zeros(N_UNKNOWNS), self.free
-        step[free] = np.linalg.solve(self.jacobian[np.ix_(free, free)], -self.residual[free])
-        return step
-
     def step(self, tolerance: float) -> tuple[WheelsetNewton, bool]:
         """The wheelset after Newton's step within its limits, and whether it was in equilibrium."""
         newton, share = self.newton, tolerance / FINE_RESIDUAL
