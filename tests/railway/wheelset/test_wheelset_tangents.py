@@ -11,7 +11,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_newton import MOTIONS, SideNewton, solve_side, stiffness_of
 from flangeway.railway.wheelset.spatial_result import solve_position
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
-from flangeway.railway.wheelset.wheelset_newton import RollingPlace, WheelsetNewton, bending_of
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace, WheelsetNewton, bending_of, on_seat
 from tests.railway.wheelset.conftest import coarse_case
 
 POSES = {"x": 1e-4, "y": 1e-4, "roll_rad": 2e-7, "deflection_mm": 1e-4, "tilt_rad": 2e-7, "yaw_rad": 1e-6}
@@ -37,6 +37,37 @@ def test_the_stiffness_across_and_upwards_is_symmetric(axle):
     whole = -newton.linearised(1e-8).condensed(np.arange(3))
     (_, k_xy), (k_yx, k_yy) = whole[:2, :2] - whole[:2, 2:] @ whole[2:, :2] / whole[2, 2]
     assert k_xy == pytest.approx(k_yx, abs=1e-3 * k_yy)
+
+
+PATH = np.array([0.02, 0.02, 2e-5, 0.02, 2e-5])
+"""Amplitudes of a closed path in x and y, roll, deflection and tilt of the seat."""
+
+
+@pytest.mark.parametrize(
+    "inputs",
+    [
+        {"lateral_mm": 2.0},
+        pytest.param({"lateral_mm": 6.4, "yaw_mrad": -3.0}, marks=pytest.mark.ci),  # two patches
+        pytest.param({"lateral_force_kN": 40.0, "yaw_mrad": 8.0}, marks=pytest.mark.ci),  # on the flange
+    ],
+)
+def test_forces_do_no_work_around_a_closed_path(wheelset, inputs):
+    """Position, roll and bending of the seat go around at phases of their own: the sum is 1e-6 of its parts.
+
+    Twelve points are enough for the trapezoidal rule: with more the sum stays the same to 1 %.
+    """
+    at = placed(wheelset, **inputs)[1].state.sides["right"]
+    pose, forces, parts = at.pose, at.forces, []
+    for turn in 2.0 * np.pi * np.arange(12.0) / 12.0:
+        phases = turn + np.array([0.0, 1.5, 0.7, 2.9, 4.0])
+        moved = {
+            name: getattr(pose, name) + change
+            for name, change in zip(POSES, (PATH * np.cos(phases)).tolist(), strict=False)
+        }
+        solved = solve_side(at.grid, replace(pose, **moved), forces)
+        forces, (on_seat_forces, *_) = solved.forces, on_seat(solved.pose, solved.resultant)
+        parts += (np.append(solved.resultant, on_seat_forces) * -PATH * np.sin(phases)).tolist()
+    assert abs(sum(parts)) < 1e-6 * np.abs(parts).sum()
 
 
 @pytest.mark.parametrize(
