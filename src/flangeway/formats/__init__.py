@@ -2,7 +2,14 @@
 
 from flangeway.formats.abaqus_files import CalculixMatrix, read_calculix_matrix
 from flangeway.formats.drawn_section import UNITS, DrawnSection, PartMaterial
-from flangeway.formats.mesh_files import read_mesh, write_vtu, write_vtu_grids, write_vtu_lines
+from flangeway.formats.mesh_files import (
+    read_mesh,
+    read_polyhedra,
+    write_vtu,
+    write_vtu_grids,
+    write_vtu_lines,
+    write_vtu_polyhedra,
+)
 from flangeway.formats.mesh_repair import MeshFile
 from flangeway.formats.outline_files import (
     ArcAbout,
@@ -30,8 +37,10 @@ __all__ = [
     "PathStart",
     "read_calculix_matrix",
     "read_mesh",
+    "read_polyhedra",
     "read_section",
     "write_vtu",
     "write_vtu_grids",
     "write_vtu_lines",
+    "write_vtu_polyhedra",
 ]

@@ -6,7 +6,8 @@ import io
 import re
 import zlib
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -17,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.errors import InputError, located, short
 from flangeway.formats.abaqus_files import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh, second_order_sides
-from flangeway.mesh.connectivity import next_in_row
+from flangeway.mesh.connectivity import entries_of, next_in_row
 from flangeway.mesh.curved import PIECES, as_polylines
+from flangeway.mesh.polyhedral_mesh import ELEMENT_FACES, PolyhedralMesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
 from flangeway.system.memory_limits import memory_limited, refuse_beyond_memory
@@ -32,6 +34,8 @@ _CORNERS = {
     **{f"quad{n}": 4 for n in (8, 9, 16, 25, 36, 49, 64, 81, 100, 121)},
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
+_SOLID_FACES = dict(zip(("tetra", "pyramid", "wedge", "hexahedron"), ELEMENT_FACES.values(), strict=True))
+"""Faces of meshio's solid cells."""
 _VTK_TYPES = {"line": 3, "triangle": 5, "polygon": 7, "hexahedron": 12}
 MEMORY_PER_BYTE, MEMORY_OF_LIBRARY = 20, 1_000_000_000
 """Bytes of memory for each byte of a file, and besides; what is packed may be larger than it says."""
@@ -80,6 +84,14 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
         cells overlap, see `check`. The message names the place.
     """
     file = Path(path)
+    with _opened(file):
+        drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _drawn(*_read_meshio(file))
+        return repaired_mesh(drawn, merge_points=merge_points)
+
+
+@contextlib.contextmanager
+def _opened(file: Path) -> Iterator[None]:
+    """Refuse a file that is missing, empty or larger than memory; errors about it name it."""
     if not is_file(file):
         raise InputError(f"mesh {file}: there is no such file", "a file that exists", "correct the path")
     size = file.stat().st_size
@@ -88,18 +100,58 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     refuse_beyond_memory(f"reading {file}", MEMORY_PER_BYTE * size)
     try:
         with located(f"{file}: ", unless=str(file)):
-            drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file, size)
-            return repaired_mesh(drawn, merge_points=merge_points)
+            yield
     except OSError as reason:
         raise InputError(
             f"{file}: {reason.strerror or reason}", "a file that can be read", "check its permissions"
         ) from reason
 
 
-def _read_meshio(file: Path, size: int) -> DrawnMesh:
+def read_polyhedra(path: str | Path) -> PolyhedralMesh:
+    """Read a mesh of tetrahedra, pyramids, prisms, hexahedra or polyhedra.
+
+    What meshio reads by the file's ending, such as Gmsh, Abaqus, VTU with polyhedra (type 42), Medit, Nastran. Sets of
+    cells have the names that `read_mesh` gives them; triangles and quadrilaterals on the boundary make face sets, lines
+    are left out. Of cells of second order the corners are read. Faces that are not plane are divided into triangles.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, of an unknown kind or broken, or has no such cells.
+    """
+    file = Path(path)
+    with _opened(file):
+        read, names, _ = _read_meshio(file)
+        cells: list[list[Ints]] = []
+        cell_sets: defaultdict[str, list[Ints]] = defaultdict(list)
+        rings: defaultdict[str, list[Ints]] = defaultdict(list)
+        for block, found in enumerate(read.cells):
+            n_corners = _CORNERS.get(found.type)
+            for name, members in _sets_of(read, block, names, 2 if n_corners else 3).items():
+                if not n_corners:
+                    cell_sets[name].append(len(cells) + members)
+                elif n_corners > 2:
+                    rings[name] += list(found.data[members][:, :n_corners])
+            if found.type.startswith("polyhedron"):
+                cells += [list(map(np.asarray, cell)) for cell in found.data]
+            elif faces := _SOLID_FACES.get(found.type.rstrip("0123456789")):
+                cells += [[row[list(face)] for face in faces] for row in found.data]
+        if not cells:
+            raise InputError("no solid cells", "tetrahedra, pyramids, prisms, hexahedra, polyhedra", "take read_mesh")
+        sets = {name: np.concatenate(parts) for name, parts in cell_sets.items()}
+        mesh = PolyhedralMesh.from_cells(read.points, cells, cell_sets=sets).with_rings(rings)
+        used = np.unique(mesh.face_points)
+        mesh = replace(
+            mesh, points=mesh.points[used], face_points=np.searchsorted(used, mesh.face_points).astype(np.int32)
+        )
+        return mesh.with_plane_faces()
+
+
+def _read_meshio(file: Path) -> tuple[Any, dict[tuple[int, int], str], tuple[str, ...]]:
+    """What meshio reads, the names of groups by dimension and number, and notices."""
     import meshio  # noqa: PLC0415  (slow to import, and few programs read files)
 
-    suffix = "".join(file.suffixes[-2:]).lower()
+    size, suffix = file.stat().st_size, "".join(file.suffixes[-2:]).lower()
     known = meshio.extension_to_filetypes
     suffix = suffix if suffix in known else file.suffix.lower()
     if suffix not in known:
@@ -140,7 +192,7 @@ def _read_meshio(file: Path, size: int) -> DrawnMesh:
     groups = [(name, np.ravel(value)) for name, value in read.field_data.items()]  # number and dimension of each
     names = {(int(group[1]), int(group[0])): name for name, group in groups if len(group) == 2}
     names = _physical_names(file) if kind == "gmsh" else names
-    return _drawn(read, names, (f"Said when reading: {printed()}",) if printed() else ())
+    return read, names, (f"Said when reading: {printed()}",) if printed() else ()
 
 
 def _physical_names(file: Path) -> dict[tuple[int, int], str]:
@@ -302,6 +354,35 @@ def write_vtu(
     _write_blocks(path, space, blocks, at_points, ordered, whole)
 
 
+def write_vtu_polyhedra(
+    path: str | Path,
+    mesh: PolyhedralMesh,
+    point_data: Mapping[str, ArrayLike] | None = None,
+    cell_data: Mapping[str, ArrayLike] | None = None,
+) -> None:
+    """Write a mesh of polyhedra (VTK type 42) with values at points and cells; see `write_vtu`.
+
+    Cell sets are cell arrays of 0 and 1, ``cell_set:NAME``, which `read_polyhedra` reads.
+    """
+    order = np.argsort(mesh.cell_sizes, kind="stable")  # as programs group them that read the file
+    masks = {CELL_SET + name: np.isin(order, members).astype(np.uint8) for name, members in mesh.cell_sets.items()}
+    at_cells = {name: array[order] for name, array in _at_cells(cell_data or {}, mesh.n_cells, "cells", 0).items()}
+    loops = [mesh.loop(face).tolist() for face in range(mesh.n_faces)]
+    # of each cell the number of its faces, then each face as the number of its points and these
+    streams = [
+        [len(row), *(entry for face in row for entry in (len(loops[face]), *loops[face]))]
+        for row in (mesh.side_faces[slice(*mesh.side_offsets[cell : cell + 2])] for cell in order)
+    ]
+    cells: dict[str, NDArray[Any]] = {
+        "connectivity": mesh.cell_points[entries_of(mesh.cell_offsets, order)[0]],
+        "offsets": np.cumsum(mesh.cell_sizes[order]),
+        "types": np.full(mesh.n_cells, 42, dtype=np.uint8),
+        "faces": np.concatenate(streams),
+        "faceoffsets": np.cumsum(list(map(len, streams))),
+    }
+    _write_blocks(path, mesh.points, [], point_data or {}, at_cells | masks, cells=cells)
+
+
 def _between(mesh: PolyMesh, values: NDArray[Any], *, at_entries: bool) -> NDArray[Any]:
     """Values at the points of a mesh, or at its corners, with those between them on curved edges as polylines."""
     assert mesh.curves is not None
@@ -396,26 +477,31 @@ def _write_blocks(
     point_data: Mapping[str, ArrayLike],
     cell_data: Mapping[str, NDArray[Any]],
     field_data: Mapping[str, NDArray[Any]] | None = None,
+    cells: dict[str, NDArray[Any]] | None = None,
 ) -> None:
-    """Write points, blocks of cells of one kind, arrays at points and at cells, in their order, and other arrays."""
+    """Write points, blocks of cells of one kind, arrays at points and at cells, in their order, and other arrays.
+
+    - `cells`: arrays of cells that are no such blocks.
+    """
     file = Path(path)
     if file.suffix != ".vtu":
         raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
     n = len(points)
     parts = {"Points": _checked({"Points": points}, n, "points"), "PointData": _checked(point_data, n, "points")}
     if blocks:
-        parts["Cells"] = {
+        cells = {
             "connectivity": np.concatenate([cells.ravel() for _, cells in blocks]),
             "offsets": np.cumsum(np.concatenate([np.full(len(cells), cells.shape[1]) for _, cells in blocks])),
             "types": np.concatenate([np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8) for kind, cells in blocks]),
         }
-        parts["CellData"] = dict(cell_data)
+    if cells:
+        parts |= {"Cells": cells, "CellData": dict(cell_data)}
     fields = "".join(_vtu_array(*item) for item in (field_data or {}).items())
     fields = fields and f"<FieldData>{fields}</FieldData>"
     text = "".join(
         f"<{part}>{''.join(_vtu_array(*item) for item in arrays.items())}</{part}>" for part, arrays in parts.items()
     )
-    n_cells = sum(len(cells) for _, cells in blocks)
+    n_cells = len(cells["types"]) if cells else 0
     file.write_text(
         '<?xml version="1.0"?><VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" '
         f'compressor="vtkZLibDataCompressor"><UnstructuredGrid>{fields}'
