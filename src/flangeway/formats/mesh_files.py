@@ -125,17 +125,17 @@ def read_polyhedra(path: str | Path) -> PolyhedralMesh:
         cells: list[list[Ints]] = []
         cell_sets: defaultdict[str, list[Ints]] = defaultdict(list)
         rings: defaultdict[str, list[Ints]] = defaultdict(list)
-        for block, found in enumerate(read.cells):
-            n_corners = _CORNERS.get(found.type)
+        for block, table in enumerate(read.cells):
+            n_corners = _CORNERS.get(table.type)
             for name, members in _sets_of(read, block, names, 2 if n_corners else 3).items():
                 if not n_corners:
                     cell_sets[name].append(len(cells) + members)
                 elif n_corners > 2:
-                    rings[name] += list(found.data[members][:, :n_corners])
-            if found.type.startswith("polyhedron"):
-                cells += [list(map(np.asarray, cell)) for cell in found.data]
-            elif faces := _SOLID_FACES.get(found.type.rstrip("0123456789")):
-                cells += [[row[list(face)] for face in faces] for row in found.data]
+                    rings[name] += list(table.data[members][:, :n_corners])
+            if table.type.startswith("polyhedron"):
+                cells += [list(map(np.asarray, cell)) for cell in table.data]
+            elif faces := _SOLID_FACES.get(table.type.rstrip("0123456789")):
+                cells += [[row[list(face)] for face in faces] for row in table.data]
         if not cells:
             raise InputError("no solid cells", "tetrahedra, pyramids, prisms, hexahedra, polyhedra", "take read_mesh")
         sets = {name: np.concatenate(parts) for name, parts in cell_sets.items()}
