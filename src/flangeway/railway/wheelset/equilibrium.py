@@ -18,7 +18,7 @@ LATERAL_REFERENCE_N = 28.4e3
 TOLERANCE = 1e-9
 """Equilibrium residual up to which a position is in equilibrium; a single one is iterated further, to round-off."""
 
-MAX_STEP = np.array([0.3, 0.3, 3e-4])
+MAX_STEP = np.array([0.6, 0.6, 6e-4])
 """Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
 
 

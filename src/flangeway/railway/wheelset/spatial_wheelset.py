@@ -49,7 +49,7 @@ FAST_RESIDUAL = 1e-7
 LIFTED_RESIDUAL, MIN_CARRIED, TORQUE, YAW_MOMENT = 0.1, 1e-3, 3, 4
 """Vertical or moment residual of wheels that do not carry the load, or torque of those that spin; share of the load
 that a wheel carries at least; numbers of torque and yaw moment in residuals."""
-MAX_STEPS_ON_CELLS = 5.0
+MAX_STEPS_ON_CELLS = 2.5
 """Way relative to the step limits within which cells still fit."""
 CELL_REACH = 0.3, MAX_STEPS_ON_CELLS * float(MAX_STEP[0])
 """Gap within which a wheel on the way to its equilibrium may come into contact on these cells, after their longest way

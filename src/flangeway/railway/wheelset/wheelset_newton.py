@@ -154,13 +154,13 @@ ERROR_OF_LAW, MAX_ERROR_OF_LAW, ERROR_OF_CELLS = 0.03, 1e-2, 1e-3
 that other cells give an equilibrium."""
 MAX_COARSER = 2.5
 """Strips relative to those of other cells up to which derivatives of creep forces serve there too."""
-FIRST_TIME, FIRST_TIME_ROLLING, MIN_TIME, MAX_TIME = 100.0, 10.0, 0.5, 1e9
+FIRST_TIME, FIRST_TIME_ROLLING, MIN_TIME, MAX_TIME = 50.0, 5.0, 0.25, 5e8
 """Time of the first step of a search without friction and with it, and its bounds, see `LinearWheelset`."""
 MIN_FALL, SENSE = 1e-3, 2.0
 """Least ratio of residuals by which the time changes, and the factor on it by the sense of the steps."""
-MAX_LIMITS, TOP = 2.0, 1e-6
-"""Limits of a step that it has at most, and part of these that is round-off."""
-MAX_YAW_RAD, MAX_CREEPAGE = 1e-3, 2e-3
+TOP = 1e-6
+"""Step relative to its limits that is round-off."""
+MAX_YAW_RAD, MAX_CREEPAGE = 2e-3, 4e-3
 """Step limits of the yaw, and of the rate of rotation over itself."""
 N_UNKNOWNS, BENDING, RATE, DIFFERENCE, YAW = 10, slice(3, 7), 7, 8, 9
 """Numbers of the unknowns behind the position: deflection and tilt of the left and the right seat, and with friction
@@ -453,14 +453,14 @@ class LinearWheelset:
         driven = np.flatnonzero(free & (mass > 0.0))
         rates = np.linalg.eigvals(self.condensed(driven) / mass[driven, None])
         leaving = 2.0 * float(rates.real[rates.imag == 0.0].max(initial=0.0))
-        step, longest = np.zeros(N_UNKNOWNS), MAX_LIMITS * limits
-        step[0] = np.clip(newton.way_left, -longest[0], longest[0])
+        step = np.zeros(N_UNKNOWNS)
+        step[0] = np.clip(newton.way_left, -limits[0], limits[0])
         matrix = np.diag(max(1.0 / time, leaving) * mass) - self.jacobian
         right = self.residual + self.jacobian[:, 0] * step[0]
         step[free] = np.linalg.solve(matrix[np.ix_(free, free)], right[free])
-        step /= max(float((np.abs(step) / longest).max()), 1.0)
-        if leaving > 0.0 and not newton.rolls and free[0] and (np.abs(step) < TOP * longest).all():
-            step[0] = -MAX_STEP[0]  # on top of the energy both ways lead down: to the left, whatever round-off says
+        step /= max(float((np.abs(step) / limits).max()), 1.0)
+        if leaving > 0.0 and not newton.rolls and free[0] and (np.abs(step) < TOP * limits).all():
+            step[0] = -limits[0] / 2.0  # on top of the energy both ways lead down: to the left, whatever round-off says
         ways = step / limits
         time *= SENSE if ways @ newton.pace.step >= 0.0 else 1.0 / SENSE
         return step, Pace(max(time, MIN_TIME), ways)
