@@ -200,8 +200,9 @@ class Curves:
             if self.logarithmic:
                 axes.set(xscale="log", yscale="log")
             axes.set_title(title, fontsize=10)
-            axes.set(xlabel=self.x, ylabel=self.y)
             axes.label_outer()
+        figure.supxlabel(self.x, fontsize=9)
+        figure.supylabel(self.y, fontsize=9)
         for axes in grid.flat[len(titles) :]:
             axes.set_axis_off()
         # a label has about 0.075 in for a letter, and 0.6 in for its line

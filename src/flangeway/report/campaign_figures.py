@@ -187,7 +187,7 @@ def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
 def sides_figure(table: CampaignTable, key: str, name: str, units: Units = "metric") -> Figure:
     """Draw results of both sides over an input or a result, a line for each combination of the other inputs."""
     title, columns = OF_SIDES[name]
-    figure, rows = panels(PAGE_IN, 1.2 + 1.3 * len(columns), len(columns), 2, units, sharex=True, sharey="row")
+    figure, rows = panels(PAGE_IN, 1.1 + 1.1 * len(columns), len(columns), 2, units, sharex=True, sharey="row")
     for row, (column, words, unit) in zip(rows, columns, strict=True):
         for panel, side in zip(row, SIDES, strict=True):
             _draw_series(panel, table, key, f"{side}_{column}")

@@ -6,6 +6,7 @@ from typing import Any
 
 from flangeway.checks import is_number
 from flangeway.errors import InputError
+from flangeway.quantities import MISSING, plain_text
 from flangeway.records import key_text, leaves
 from flangeway.report.page.record import SUMMARY, Again, Report, SummaryTable
 from flangeway.system.file_content import file_content
@@ -78,9 +79,13 @@ def _same(first: Any, second: Any) -> bool:
 
 def _row(path: str, first: Any, second: Any) -> tuple[str, ...]:
     """Both values; of numbers the change, and that over the first value."""
-    both = ("–" if value is None else f"{value:.6g}" if type(value) is float else value for value in (first, second))
+    both = (
+        "–" if value is None else plain_text(value, ".6g") if type(value) is float else value
+        for value in (first, second)
+    )
     texts = tuple(map(str, both))
+    texts = tuple(MISSING if text == "None" else text for text in texts)
     if not (is_number(first) and is_number(second)):
         return path, *texts, "", ""
     change = second - first
-    return path, *texts, f"{change:+.3g}", f"{100.0 * change / abs(first):+.2f}" if first else "–"
+    return path, *texts, f"{change:+.3g}", plain_text(100.0 * change / abs(first), "+.2f") if first else "–"

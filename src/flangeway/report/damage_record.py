@@ -13,7 +13,7 @@ from flangeway.quantities import Quantity, measured
 from flangeway.railway.damage.evolution import Evolution, EvolutionStep, StateDamage, limit_positions
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.report.figures.drawing import PAGE_IN, SERIES, legend_below, name_axes, new_figure
+from flangeway.report.figures.drawing import HALF_IN, PAGE_IN, SERIES, legend_below, name_axes, new_figure
 from flangeway.report.page.record import Again, Picture, Report, SummaryTable, named, table_across, table_of
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer, versions
@@ -285,7 +285,7 @@ def _all_assumptions(records: Mapping[str, Report]) -> list[str]:
 def _figure(steps: Mapping[str, Sequence[EvolutionStep]], unit: str, units: Units) -> Figure:
     """Draw the last depth of each surface, and its worn area over the distance, a line for each strategy."""
     keys = dict.fromkeys(key for run in steps.values() for key in run[-1].surfaces)
-    figure = new_figure(PAGE_IN, 1.0 + 1.85 * len(keys), units)
+    figure = new_figure(PAGE_IN, min(1.0 + 1.85 * len(keys), HALF_IN), units)
     axes = figure.subplots(len(keys), 2, squeeze=False)
     for (profile, distance), (role, side) in zip(axes, keys, strict=True):
         for strategy, run in steps.items():

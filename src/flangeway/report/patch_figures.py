@@ -44,7 +44,7 @@ CURVES = (
 )  # fmt: skip
 MIN_RATIO = 0.6
 """Width of what is shown of a surface from above relative to its height, at least."""
-MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 6.4, 2.9, 5.0, 2.6
+MAX_WIDTH_IN, MAX_HEIGHT_IN, MIN_WIDTH_IN, MIN_HEIGHT_IN = 6.4, 2.5, 5.0, 2.6
 """Size of the picture of surfaces from above: without labels at most, with them at least."""
 
 

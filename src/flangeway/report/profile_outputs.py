@@ -126,7 +126,8 @@ def join_figure(joined: Joined, units: Units = "metric") -> Figure:
         whole.plot(*np.array([joint.end, joint.landing]).T, color=ORANGE, lw=2.0, label=label, zorder=4)
     whole.set_title(_title(joined.profile.title), fontsize=9)
     points = _line(joined.measured)
-    whole.set_ylim(points[:, 1].min() - SHOWN_BEYOND_MM, points[:, 1].max() + SHOWN_BEYOND_MM)
+    ends = points[:, 1].min() - SHOWN_BEYOND_MM, points[:, 1].max() + SHOWN_BEYOND_MM
+    whole.set_ylim(*ends, auto=True)  # the scale of both axes may widen it
     off = deviations(joined.nominal.outline, points)
     x, lowest, worn = points[:, 0], int(off.argmin()), ""
     below.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)

@@ -34,8 +34,8 @@ from flangeway.units import Units, UsUnit, us_unit
 # `flangeway.quantities.measured`.
 
 
-PAGE_IN = 7.25
-"""Width of the widest picture: A4 has room for it between the margins, and its letters are printed in their size."""
+PAGE_IN, HALF_IN = 7.25, 4.6
+"""Largest picture: A4 has room for its width between the margins, and sheets are at least half full before it."""
 DPI = 240
 INK, GREY, LIGHT, PURPLE = "#1a1a1a", "#777777", "#dddddd", "#8b1a8b"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -74,7 +74,7 @@ def new_figure(width_in: float, height_in: float, units: Units = "metric", *, co
 
     - `compressed`: whether axes of one scale stand close together, and colour bars are as high as what is drawn.
     """
-    size = min(1.0, PAGE_IN / width_in) * np.array([width_in, height_in])
+    size = min(1.0, PAGE_IN / width_in, HALF_IN / height_in) * np.array([width_in, height_in])
     figure = ShownFigure(figsize=size.tolist(), dpi=DPI, facecolor="white")
     figure.units = units
     figure.set_layout_engine("compressed" if compressed else "constrained")

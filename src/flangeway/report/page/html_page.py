@@ -22,7 +22,7 @@ from flangeway.cases.case import OF_REPORT, Case, RunnableCase
 from flangeway.cases.case_file import toml_value, write_case_file
 from flangeway.cases.summary import RunResult, mapped, summary_text
 from flangeway.checks import is_number
-from flangeway.quantities import measured
+from flangeway.quantities import measured, plain_text
 from flangeway.records import alternatives, are_tables, entries_of, records_in
 from flangeway.report.page.record import REPORT, Again, Picture, Report, SummaryTable, timings_table
 from flangeway.report.viewer import field_viewer
@@ -335,7 +335,8 @@ def _changes(convergence: Convergence) -> SummaryTable:
     table = ResultTable(both).in_units(convergence.case.units)
     rows = []
     for key, (coarse, fine) in table.columns.items():
-        over = f"{100.0 * (fine - coarse) / abs(coarse):+.2f}" if abs(fine - coarse) < abs(coarse) else "–"
-        texts = (f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}" for value in (coarse, fine))
+        change = 100.0 * (fine - coarse)
+        over = plain_text(change / abs(coarse), "+.2f") if abs(fine - coarse) < abs(coarse) else "–"
+        texts = (plain_text(value, ".0f" if 1e4 <= abs(value) < 1e7 else ".4g") for value in (coarse, fine))
         rows.append((key, *texts, f"{fine - coarse:+.2g}", over))
     return SummaryTable("Sizes halved", ("", "given", "half", "change", "change, %"), tuple(rows))

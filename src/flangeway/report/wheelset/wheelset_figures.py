@@ -80,7 +80,7 @@ def _section(
 ) -> Figure:
     """Both sides: outlines of rail and wheel, and what is under pressure."""
     highest = max((patch.max_pressure for patch in run.patches), default=1.0)
-    figure, (both,) = panels(PAGE_IN, 3.2, 1, 2, run.case.units)
+    figure, (both,) = panels(PAGE_IN, 2.9, 1, 2, run.case.units)
     for axes, side in zip(both, SIDES, strict=True):
         axes.grid(visible=False)
         bodies = outlines(side)
