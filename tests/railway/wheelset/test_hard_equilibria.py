@@ -15,6 +15,7 @@ from flangeway.railway.wheelset.running_surfaces import running_surfaces
 from flangeway.railway.wheelset.side_contact import FAR_MM, wheel_gap
 from flangeway.railway.wheelset.spatial_result import solve_position, solve_spatial
 from flangeway.railway.wheelset.spatial_wheelset import SpatialWheelset
+from flangeway.railway.wheelset.wheelset_newton import RollingPlace
 from flangeway.railway.wheelset.whole_sections import whole_sections
 from tests.railway.wheelset.conftest import coarse_case
 
@@ -122,6 +123,19 @@ def test_a_wheelset_with_friction_finds_its_position(number):
     """
     end = stand(DRAWN[number])
     assert end["end"] == "converged", end["message"]
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("number", [2, 8, 9, 20])
+def test_searches_from_two_starts_end_at_one_position(number):
+    """With friction, from 0.5 mm apart: to 0.02 mm or the uncertainty of the position, whichever is larger."""
+    wheelset = [drawn for drawn in DRAWN if drawn.friction][number].wheelset
+    found = solve_position(wheelset, {})
+    place, ends = RollingPlace.of(found.equilibrium), [found.equilibrium]
+    ends += [wheelset.solve(near=place._replace(lateral_mm=place.lateral_mm + way)) for way in (-0.25, 0.25)]
+    assert all(end.status.converged for end in ends)
+    lateral = [end.position.lateral_mm for end in ends]
+    assert np.ptp(lateral) < max(0.02, found.lateral_uncertainty_mm)
 
 
 @pytest.mark.ci

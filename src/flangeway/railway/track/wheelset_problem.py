@@ -236,7 +236,7 @@ class WheelsetProblem(WheelsetOnTrack):
         if isinstance(self.contact, Plane):
             self._refuse_others(NOT_IN_A_PLANE, "contact.kind = plane", "what a slice of wheel and rail has")
         elif self.rolling is None:
-            self._refuse_others(OF_ROLLING, "no table rolling", "inputs of rolling with a table rolling")
+            self._refuse_others(OF_ROLLING, "no table rolling", "it together with a table rolling")
         else:
             speeds = self.rolling.speed_km_h, None if self.load.curve is None else self.load.curve.speed_km_h
             if not any(speeds) or None not in speeds:
