@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from flangeway.contact import (
     AugmentedLagrange,
+    Barrier,
     FaceSurface,
     Penalty,
     RigidCylinder,
@@ -122,6 +123,15 @@ def test_a_penalty_lets_the_plane_be_entered():
     assert solution.status.converged, solution.status.message
     bottom = solution.field(body).displacements[body.space.nodes_along("z-"), 2]
     assert bottom == pytest.approx(np.full(25, -0.005), rel=1e-9)
+
+
+def test_a_barrier_keeps_a_gap():
+    """With a barrier of 0.05 N/mm and a reach of 0.1 mm a pressure of 50 MPa leaves the gap 0.05 / (50 + 0.5) mm."""
+    body = cube(Traction("z+", (0.0, 0.0, -50.0)))
+    solution = press_spatial([SpatialContact(FaceSurface(body, "z-"), GROUND, Barrier(0.05, 0.1))])
+    assert solution.status.converged, solution.status.message
+    bottom = solution.field(body).displacements[body.space.nodes_along("z-"), 2]
+    assert bottom == pytest.approx(np.full(25, 0.05 / 50.5), rel=1e-9)
 
 
 def test_what_is_not_in_equilibrium_is_no_solution():
