@@ -1,9 +1,7 @@
 """Bundled rails and wheels against their formulas and the figures of their files and standards."""
 
-import csv
 import itertools
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,15 +10,12 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line
 from flangeway.mesh import check, triangulate
 from flangeway.railway.profiles.bundled import (
-    POLYNOMIAL_TOLERANCE_MM,
     RAILS,
     REFERENCE_RAIL,
-    REFERENCE_WHEELS,
     WHEELS,
     bundled_name,
     bundled_section,
     rail,
-    s1002_contour,
     wheel,
 )
 from flangeway.railway.profiles.joining import nominal_profile
@@ -88,18 +83,6 @@ def test_wheel_has_the_figures_of_the_standard():
     assert thickness == pytest.approx(34.925, abs=2e-3)
 
 
-# EN 13715: z over y, the tread's polynomial as in public programs
-TREAD = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
-         -5.957839843e-12, 2.646656573e-13]  # fmt: skip
-
-
-def test_s1002_follows_its_polynomial():
-    """Every point of the standard's tread lies on the arcs, to their tolerance."""
-    y = np.linspace(-26.0, 32.15796, 4001)
-    points = np.column_stack([y, -np.polynomial.polynomial.polyval(y, TREAD)])
-    assert s1002_contour().closest(points)[2].max() <= 1.05 * POLYNOMIAL_TOLERANCE_MM
-
-
 @pytest.mark.parametrize(("name", "degrees"), [("S1002", 70.0), ("AAR-1B", 75.0)])
 def test_flange_angles_are_those_of_the_standards(name, degrees):
     """70 degrees (EN 13715) and 75 degrees (AAR); the rounded edge of the rim, which is upright at its end, is none."""
@@ -116,15 +99,15 @@ def test_s1002_has_the_figures_of_the_standard():
     assert found["flange_height_mm"] == pytest.approx(28.0, abs=1e-3)
     assert found["flange_thickness_mm"] == pytest.approx(32.5, abs=2e-3)
     assert found["flange_slope_mm"] == pytest.approx(10.794, abs=2e-3)
-    contour = s1002_contour()
-    assert contour.closest([(0.0, 0.0)])[2][0] < POLYNOMIAL_TOLERANCE_MM
+    contour = wheel("S1002").outline.part(wheel("S1002").running_names)
+    assert contour.closest([(0.0, 0.0)])[2][0] < 5e-5
     outside = contour.segments[-1].tangent(0.0)[0]
     assert outside[1] / outside[0] == pytest.approx(1.0 / 15.0, rel=1e-6)
 
 
 def test_s1002_is_smooth():
     """No joint of the S1002 turns by more than a twentieth of a degree; its arcs have the standard's radii."""
-    contour = s1002_contour()
+    contour = wheel("S1002").outline.part(wheel("S1002").running_names)
     for a, b in itertools.pairwise(contour.segments):
         turn = a.tangent(1.0)[0] @ b.tangent(0.0)[0]
         assert math.degrees(math.acos(min(1.0, turn))) < 0.05
@@ -145,42 +128,6 @@ def test_heavy_haul_wheel_is_nine_smooth_arcs():
     hollow = [n for n, s in zip(contour.names, contour.segments, strict=True) if s.curvature < 0.0]
     assert hollow == ["flange_root_R14", "flange_root_R39"]
     assert wheel("heavy-haul").flange_height_mm == pytest.approx(26.0, abs=0.05)
-
-
-def source_rows(file):
-    """Rows of the numbers of a source, without its comments."""
-    lines = (Path(__file__).parent / "sources" / file).read_text().splitlines()
-    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
-
-
-def test_the_heavy_haul_wheel_has_the_arcs_of_its_source():
-    """The source's radii from the axle and lateral places, from a tape line 70 mm from the flange's back."""
-    rows = source_rows("heavy_haul_wheel_arcs.csv")
-    tape = float(rows[0]["yc"]) - float(rows[0]["R"]) + 70.0
-    radius = float(rows[6]["rc"]) + math.sqrt(float(rows[6]["R"]) ** 2 - (tape - float(rows[6]["yc"])) ** 2)
-    for row, arc in zip(rows, wheel("heavy-haul").running_surface.segments, strict=True):
-        point = {end: (float(row[f"y{end}"]) - tape, radius - float(row[f"r{end}"])) for end in "01c"}
-        ends = [point["0"], point["1"]] if row["arc"] == "9" else sorted([point["0"], point["1"]])
-        np.testing.assert_allclose([arc.start, arc.end, arc.centre], [*ends, point["c"]], rtol=0.0, atol=2e-5)
-        assert arc.counter_clockwise == (row["curvature"] == "convex")
-
-
-@pytest.mark.parametrize("name", REFERENCE_WHEELS)
-def test_reference_wheels_follow_the_formulas_of_the_standard(name):
-    """Every line and arc of EN 15302 is that of its formula, to the rounding of a micrometre that its joints need."""
-    rows = [row for row in source_rows("EN15302_profiles.csv") if row["profile"] == name]
-    running = wheel(name).running_surface
-    assert running.names == tuple(row["name"] for row in rows)
-    for row, segment in zip(rows, running.segments, strict=True):
-        y = np.linspace(float(row["y0_mm"]), float(row["y1_mm"]), 11)
-        z = float(row["z_mm"]) + (
-            float(row["slope"]) * y
-            if row["slope"]
-            else float(row["root"])
-            * np.sqrt(np.maximum(float(row["radius_mm"]) ** 2 - (y - float(row["y_mm"])) ** 2, 0.0))
-        )
-        assert running.closest(np.column_stack([y, -z]))[2].max() < 5e-4
-        assert isinstance(segment, Line if row["slope"] else Arc)
 
 
 @pytest.mark.parametrize("name", [*WHEELS, "R-519-A", "R-519-C"])
@@ -224,7 +171,7 @@ def test_heads_have_their_nominal_width(name):
 
 def test_measures_are_left_out_where_a_surface_does_not_reach():
     """A tread without its flange has no measures; a flange without its back has no thickness."""
-    contour = s1002_contour()
+    contour = wheel("S1002").outline.part(wheel("S1002").running_names)
     tread = contour.part([name for name in contour.names if name.startswith("tread")])
     assert measures(tread, "wheel") == {}
     front = contour.part([name for name in contour.names if name != "flange_back_R20.5"])

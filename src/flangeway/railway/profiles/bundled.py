@@ -1,107 +1,22 @@
 """Rail and wheel profiles that come with the package, as outlines in mm, and rails as sections."""
 
 import difflib
-import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, ClassVar, TypeAlias
-
-import numpy as np
+from typing import Any, ClassVar
 
 from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
 from flangeway.formats.drawn_section import parse_segment, parse_table
-from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Placement, Point, Region, Section, Segment
-from flangeway.geometry.biarcs import biarcs
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
 from flangeway.records import ByInstance
 from flangeway.results import Shown
 from flangeway.system.file_content import packaged_text
 
-# --- The running surface of the S1002 from its formulas.
-#
-# It goes from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
-
-
 DATA = "flangeway.railway.profiles"
-
-Named: TypeAlias = tuple[str, Segment]
-
-FINE_TOLERANCE_MM = 1e-6
-"""The same where the curvature matters: pressures of patches are then within 0.2 %, and 1 % with 5e-5 mm."""
-POLYNOMIAL_TOLERANCE_MM = 5e-5  # maximum distance between the polynomials of an S1002 and the arcs that stand for them
-
-# EN 13715, S1002: y from the tape line towards the flange negative, z from the tread at the tape line down
-_TREAD = (
-    0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
-    -5.957839843e-12, 2.646656573e-13,
-)  # fmt: skip
-_FLANGE_ROOT = (
-    -4.320221063e3, -1.038384026e3, -1.065501873e2, -6.051367875, -2.054332446e-1, -4.169739389e-3, -4.687195829e-5,
-    -2.252755540e-7,
-)  # fmt: skip
-_Y = {"rim": 60.0, "A": 32.15796, "B": -26.0, "C": -35.0, "D": -38.426669071, "E": -39.764473993}
-_Y |= {"F": -49.662510381, "G": -62.764705882, "back": -70.0}
-_CIRCLES = {
-    "flange_root_R13": ((-26.210665, 16.446), 13.0, -1.0),
-    "flange_front_R20": ((-58.558326413, 8.834924130), 20.0, 1.0),
-    "flange_tip_R12": ((-55.0, 16.0), 12.0, 1.0),
-    "flange_back_R20.5": ((-49.5, 9.519259302), 20.5, 1.0),
-}
-
-
-@cache  # its fine arcs take 0.2 s
-def s1002_contour(tolerance_mm: float = POLYNOMIAL_TOLERANCE_MM) -> Contour:
-    """Return the S1002 from its back face to the end of its tread, 60 mm outside of the tape line.
-
-    Lines and circles are the standard's; its two polynomials are followed by arcs within a tolerance.
-    """
-    rows: list[Named] = [
-        ("flange_back_R20.5", _circle_piece("flange_back_R20.5", _Y["back"], _Y["G"])),
-        ("flange_tip_R12", _circle_piece("flange_tip_R12", _Y["G"], _Y["F"])),
-        ("flange_front_R20", _circle_piece("flange_front_R20", _Y["F"], _Y["E"])),
-        ("flange_face_70deg", Line(_on_circle("flange_front_R20", _Y["E"]), _on_circle("flange_root_R13", _Y["D"]))),
-        ("flange_root_R13", _circle_piece("flange_root_R13", _Y["D"], _Y["C"])),
-        *_polynomial_pieces("flange_root", _FLANGE_ROOT, _Y["C"], _Y["B"], tolerance_mm),
-        *_polynomial_pieces("tread", _TREAD, _Y["B"], _Y["A"], tolerance_mm),
-        ("tread_1:15", Line(_on_polynomial(_TREAD, _Y["A"]), (_Y["rim"], _Y["rim"] / 15.0 - 1.364323640))),
-    ]
-    return Contour.named(rows)
-
-
-def _on_circle(name: str, y: float) -> Point:
-    (y_centre, z_centre), radius, sign = _CIRCLES[name]
-    return y, -(z_centre + sign * math.sqrt(max(radius**2 - (y - y_centre) ** 2, 0.0)))
-
-
-def _circle_piece(name: str, first: float, last: float) -> Arc:
-    (y_centre, z_centre), _, sign = _CIRCLES[name]
-    # z points down: the flange's arcs are convex, the flange root's is hollow
-    return Arc(_on_circle(name, first), _on_circle(name, last), (y_centre, -z_centre), sign > 0.0)
-
-
-def _on_polynomial(coefficients: tuple[float, ...], y: float) -> Point:
-    return y, -float(np.polynomial.polynomial.polyval(y, coefficients))
-
-
-def _polynomial_pieces(
-    name: str, coefficients: tuple[float, ...], first: float, last: float, tolerance_mm: float
-) -> list[Named]:
-    slopes = np.polynomial.polynomial.polyder(coefficients)
-
-    def curve(y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        heights = np.polynomial.polynomial.polyval(y, coefficients)
-        directions = np.column_stack([np.ones_like(y), -np.polynomial.polynomial.polyval(y, slopes)])
-        return np.column_stack([y, -heights]), directions
-
-    breaks = np.linspace(first, last, 9)
-    return [(name, piece) for piece in biarcs(curve, breaks, tolerance_mm)]
-
-
-# --- Rail and wheel profiles that come with the package, as outlines in mm, and rails as sections.
-
 
 RAILS: tuple[str, ...] = ("136RE", "60E1", "60E2", "54E1", "49E1")  # names of the bundled rails
 _CROWNS = {"136RE": (10.0, 8.0, 14.0)}
@@ -253,10 +168,10 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
         )
     if name == REFERENCE_RAIL:
         # the body of a 60E1
-        nominal, outline = rail("60E1"), Outline.named(_read_segments(name).items())
+        nominal, outline = rail("60E1"), Outline.named(_read_segments(name))
         return replace(nominal, outline=outline, unworn=outline.part(nominal.running_names), **_words(name))
     section = f"{name}-{radius or radii[0]:g}" if radii else name
-    half = _read_segments(section)
+    half = dict(_read_segments(section))
     below_crown = list(half)[1:]
     side = below_crown[: next(i for i, part in enumerate(below_crown, 1) if part.startswith("head_side"))]
     outline = _mirrored_and_joined(half)
@@ -292,37 +207,34 @@ def wheel(name: str = "AAR-1B") -> WheelProfile:
     name = bundled_name(name)
     if name != IDENTIFIED:
         _refuse_unknown("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
-    return _s1002() if name == "S1002" else _wheel_below(name, Contour.named(_read_segments(name).items()))
+    return _wheel(name)
 
 
 @cache
-def _s1002() -> WheelProfile:
-    return replace(_wheel_below("S1002", s1002_contour()), fine=s1002_contour(FINE_TOLERANCE_MM))
-
-
-def _wheel_below(name: str, running: Contour) -> WheelProfile:
+def _wheel(name: str) -> WheelProfile:
     """Close a running surface by vertical faces and a straight cut."""
+    running = Contour.named(_read_segments(name))
     back, outer = running.ends
     cut = [(outer[0], CUT_HEIGHT_MM), (back[0], CUT_HEIGHT_MM)]
     outline = Outline.closed(running.segments, cut, [*running.names, "outer_face", "cut", "back_face"])
-    profile = WheelProfile(
+    segments, names = outline.segments, outline.names
+    if name.startswith("AAR-1B"):
+        # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this
+        outline = Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2])
+    return WheelProfile(
         outline=outline,
         running_names=tuple(dict.fromkeys(running.names)),
         flange_height_mm=-outline.bottom,
         flange_back_mm=-float(running.bounds()[0, 0]),
+        fine=Contour.named(_read_segments("S1002_fine")) if name == "S1002" else None,
         **_words(name, "EN 15302"),
     )
-    if not name.startswith("AAR-1B"):
-        return profile
-    # from its cut on: meshes depend a little on where an outline begins, and recorded positions are those of this one
-    segments, names = outline.segments, outline.names
-    return replace(profile, outline=Outline(segments[-2:] + segments[:-2], names[-2:] + names[:-2]))
 
 
-def _read_segments(profile: str) -> dict[str, Segment]:
-    """Return the segments of a profile's data file by name, in its order."""
+def _read_segments(profile: str) -> list[tuple[str, Segment]]:
+    """Return the named segments of a profile's data file."""
     rows, _ = parse_table(packaged_text(DATA, f"{profile}_arcs.csv"))
-    return {row["name"]: parse_segment(row, number).checked() for number, row in rows}
+    return [(row["name"], parse_segment(row, number).checked()) for number, row in rows]
 
 
 def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
