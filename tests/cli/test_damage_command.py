@@ -149,7 +149,7 @@ def test_strategies_are_single_runs_side_by_side(written, tmp_path, call) -> Non
     assert areas[0] > 1.1 * areas[1]
     page = (tmp_path / "both" / "report.html").read_text()
     assert "inputs.curve.radius_m = 500, wear.wheel.constant = 0.2" in page
-    assert all(f"{area:.5g}" in page for area in areas)
+    assert all(f"{area:.3f}" in page for area in areas)
     with (tmp_path / "both" / "steps.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["strategy"] == "sharp"]
     assert [float(row["position"]) for row in rows] == [step["position"] for step in single]

@@ -53,7 +53,7 @@ def damage_record(
     unconverged = [text for step in steps for text in step.unconverged]
     positions = limit_positions(steps, evolution.settings.limits.written)
     limits = [f"{name} after {position:.6g} {unit}" for name, position in positions.items()]
-    ended = "limit " + ", ".join(limits) if limits else "the end"
+    ended = f"limit {', '.join(limits)}; " if limits else ""
     rows = numbers_over_distance(evolution, steps)
     row = rows[-1]
     facts = [(measured(position, unit, units, ".6g"), f"to the limit {name}") for name, position in positions.items()]
@@ -67,11 +67,11 @@ def damage_record(
         )
     return Report(
         name=inputs.name,
-        title=f"{inputs.name}: profiles over {unit}",
-        subtitle=f"{len(evolution.collective.states)} states, {len(steps) - 1} steps",
+        title=f"{inputs.name}: wear over distance",
+        subtitle=f"States: {len(evolution.collective.states)}; steps: {len(steps) - 1}",
         converged=not unconverged,
-        message=f"{ended}; {last.position:.6g} {unit} in {len(steps) - 1} steps",
-        success="done",
+        message=f"{ended}{last.position:.6g} {unit} in {len(steps) - 1} steps",
+        success="finished",
         facts=facts,
         results=table_across(
             "Profiles, first and last", ("new", "worn"), (rows[0], row), row_quantities(row, unit), units=units
