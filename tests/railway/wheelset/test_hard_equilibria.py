@@ -232,3 +232,17 @@ def test_points_beside_the_wheel_have_no_gap() -> None:
     beside = POINTS + np.array([100.0, 0.0])
     found = wheel_gap(sphere(100.0), np.array([0.0, 99.0]), np.array([1.0, 0.0, 0.0]), beside, UP, Z)
     assert (found.gaps == FAR_MM).all()
+
+
+def test_an_axle_below_the_rails_has_not_converged():
+    """Rigid wheels stand at 0, so that rails that are not touched a kilometre lower have been passed through."""
+    run = coarse_case(vertical_mm=-1e6, lateral_mm=0.0).run()
+    assert not run.result.status.converged
+    assert "below" in run.result.status.message
+
+
+def test_an_axle_in_the_air_touches_nothing():
+    """Half a millimetre above the rails there is no force, and no error."""
+    run = coarse_case(vertical_mm=0.5, lateral_mm=0.0).run()
+    assert run.result.status.converged, run.result.status.message
+    assert not run.result.patches

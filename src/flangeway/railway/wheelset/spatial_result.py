@@ -222,7 +222,7 @@ def solve_position(
     equilibrium = wheelset.solve(progress, near)
     patches = _patches(wheelset, equilibrium.state) if equilibrium.status.converged else ()
     timings["contact"] = time.perf_counter() - begun
-    status = _status_on_rails(wheelset, equilibrium)
+    status = _status_on_rails(wheelset, equilibrium, touches=bool(patches))
     warnings = equilibrium.warnings(equilibrium.status, {patch.side for patch in patches})
     warnings += [
         f"{patch.side} side, {patch.region}: {patch.remark} on a narrow patch, its maximum pressure is rough"
@@ -239,13 +239,18 @@ def solve_position(
     return replace(result, warnings=(*warnings, *further))
 
 
-def _status_on_rails(wheelset: SpatialWheelset, equilibrium: Equilibrium[SpatialState]) -> Status:
-    """Status of a search that is not converged where a wheel stands on its flange, or cannot stand at all."""
+def _status_on_rails(wheelset: SpatialWheelset, equilibrium: Equilibrium[SpatialState], *, touches: bool) -> Status:
+    """Status of a search that is not converged where wheels are on a flange or below the rails, or cannot stand at all.
+
+    - `touches`: whether it found a patch.
+    """
     status, lateral = equilibrium.status, wheelset.problem.position.lateral_mm
     rise, reached = wheelset.rise(equilibrium.position), wheelset.start.motion.lateral_mm
     if rise > CLIMBED_MM and (status.converged or lateral is not None):
         reason = f"derailed, at {equilibrium.position.lateral_mm:.1f} mm the axle is {rise:.1f} mm higher than in the "
         reason += "middle of the track, a flange on its rail"
+    elif rise < 0.0 and not touches and status.converged:
+        reason = f"nothing touches, though the axle is {-rise:.3g} mm lower than on rigid rails: it lies below them"
     # where rigid wheels stand at the lateral position, what is not balanced says more
     elif lateral is not None and abs(lateral - reached) > RIGID_MM and not status.converged:
         reason = "no equilibrium; rigid wheels derail there, or stand on the end of a running surface"

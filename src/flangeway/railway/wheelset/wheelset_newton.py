@@ -330,7 +330,7 @@ class WheelsetNewton:
         if len(self.errors) < 3:
             return True
         before, error = self.errors[-2:]
-        return error * (error / before) ** 3 <= tolerance
+        return error**4 <= tolerance * before**3
 
     def linearised(self, tolerance: float) -> "LinearWheelset":
         """Residuals and their derivatives at the place.
