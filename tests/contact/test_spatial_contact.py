@@ -77,7 +77,7 @@ def test_common_faces_pass_a_uniform_pressure(turn):
         assert np.abs(field - SHRUNK * body.space.nodes).max() < 1e-10 * abs(SHRUNK) * 40.0
     checks = solution.status.checks
     assert checks is not None
-    assert max(checks.force_residual, checks.gap_under_pressure, checks.slide) < 1e-10
+    assert max(checks.force_residual, checks.moment_residual, checks.gap_under_pressure, checks.slide) < 1e-10
 
 
 def test_nodes_on_faces_miss_a_uniform_pressure():
@@ -87,6 +87,16 @@ def test_nodes_on_faces_miss_a_uniform_pressure():
     (contact,) = solution.contacts
     assert 0.2 < np.abs(contact.pressures / 100.0 - 1.0).max() < 0.6
     assert contact.resultant[2] == pytest.approx(40000.0, rel=1e-9)
+    # action and reaction at points that slide apart leave a moment: that of the forces on all displaced nodes
+    moment, checks = np.zeros(3), solution.status.checks
+    for body, field in solution.displacements.items():
+        assert isinstance(body, Elasticity)
+        forces = (contact.contact.gradients(body).T @ contact.forces).reshape(-1, 3)
+        moment += np.cross(body.space.nodes + field, forces).sum(axis=0)
+    assert checks is not None
+    measured = checks.moment_residual * contact.forces.max() * contact.contact.secondary.body.size
+    assert measured == pytest.approx(np.abs(moment).max(), rel=1e-6)
+    assert measured > 0.1
 
 
 def cube(*loads: Traction | Pressure, held: bool = True) -> Elasticity[PolyhedralMesh]:

@@ -19,7 +19,7 @@ from flangeway.contact.pairs import Multiplier
 from flangeway.contact.solution_checks import MAX_RESIDUAL, spatial_cells
 from flangeway.contact.spatial_contact import RigidSurface, Solid, SpatialContact, Vector
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import max_magnitude, starts_of
+from flangeway.geometry.arrays import max_magnitude, norms, starts_of
 from flangeway.mesh import PolyhedralMesh
 from flangeway.problems import ElasticField
 from flangeway.results import Result, ResultTable
@@ -276,10 +276,16 @@ def _status(
     warnings: list[str] = []
     solids = {body: field for body, field in fields.items() if not isinstance(body, RigidSurface)}
     displaced = max(map(max_magnitude, solids.values())) or 1.0
-    gap, slide, overlap = 0.0, 0.0, 0.0
+    gap, slide, moment, overlap = 0.0, 0.0, 0.0, 0.0
     for solved in contacts:
         contact, closed = solved.contact, solved.forces > 0.0
-        gaps, slides, deepest = contact.measured(fields)
+        pairs, (arms, deepest) = contact.pairs, contact.measured(fields)
+        gaps = np.einsum("mi,mi->m", arms, pairs.normals)
+        slides = norms(arms - gaps[:, None] * pairs.normals) / np.sqrt(pairs.areas)
+        left = solved.forces @ np.cross(arms, pairs.normals)  # by action and reaction at two points
+        moment = max(
+            moment, max_magnitude(left) / ((solved.forces.max(initial=0.0) or 1.0) * contact.secondary.body.size)
+        )
         if isinstance(contact.enforcement, Multiplier) and closed.any():
             gap = max(gap, float(np.abs(gaps) @ solved.forces / solved.forces.sum()) / displaced)
             overlap = max(overlap, deepest / displaced)
@@ -303,7 +309,7 @@ def _status(
     warnings += filter(None, [body.locking for body in solids])
     checks = Checks(
         unbalanced,
-        0.0,
+        moment,
         gap,
         slide,
         overlap * displaced,

@@ -193,19 +193,20 @@ class SpatialContact:
         along = zip(self.pairs.normals.T, np.eye(3), strict=True)
         return sp.csr_array(sum(sp.diags_array(normals) @ sp.kron(result, unit[None]) for normals, unit in along))
 
-    def measured(self, fields: Mapping[Solid | RigidSurface, Floats]) -> tuple[Floats, Floats, float]:
-        """Gaps and slides over the nodes' sizes, (m,) each, and how deep the boundary is in a rigid surface.
+    def measured(self, fields: Mapping[Solid | RigidSurface, Floats]) -> tuple[Floats, float]:
+        """Displaced nodes less the points of the primary that they are paired with, (m, 3), and the deepest overlap.
+
+        The overlap is that of all nodes of the secondary's body with a rigid surface, or of the pairs.
 
         - `fields`: displacements of the nodes of bodies (n_nodes, 3), and of rigid surfaces (1, 3).
         """
         body, pairs = self.secondary.body, self.pairs
         after = body.space.nodes + fields[body]
         if isinstance(self.primary, RigidSurface):
-            distances = self.primary.distances(after - fields.get(self.primary, 0.0))[0]
-            return distances[pairs.keys], np.zeros(len(pairs.keys)), -float(distances.min())
+            distances, normals = self.primary.distances(after - fields.get(self.primary, 0.0))
+            return (distances[:, None] * normals)[pairs.keys], -float(distances.min())
         arms = after[pairs.keys] - pairs.weights @ (self.primary.body.space.nodes + fields[self.primary.body])
-        gaps = np.einsum("mi,mi->m", arms, pairs.normals)
-        return gaps, norms(arms - gaps[:, None] * pairs.normals) / np.sqrt(pairs.areas), -float(gaps.min(initial=0.0))
+        return arms, -float(np.einsum("mi,mi->m", arms, pairs.normals).min(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
