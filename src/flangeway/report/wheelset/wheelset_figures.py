@@ -53,9 +53,9 @@ N_LEVELS = 13
 DEPTH_OF_WIDTH = 0.7
 """Depth of the pictures of stresses relative to their width."""
 STEEL = "#c9ced6"
-HALF_VIEW_MM = 50.0
+HALF_VIEW_MM = np.array([62.0, 50.0])
 """Half the width and height of what is shown of each side in section."""
-GAUGE_SIDE_MM = 10.0
+GAUGE_SIDE_MM = 14.0
 """By which its middle lies beside that of the rail's head."""
 Pressed = tuple[Floats, Floats, Floats]
 """Points (n, 2) under pressure, the rail's normals there, and the maximum pressures (n,) along the track."""
@@ -155,7 +155,7 @@ def _draw_forces(axes: Axes, patches: Sequence[AnyPatch]) -> None:
         size = float(np.linalg.norm(force))
         end = centre + ARROW_MM * force / size
         axes.annotate("", tuple(end), tuple(centre), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3})
-        text = f"{measured(1e-3 * size, 'kN', units)}\n{measured(patch.max_pressure, 'MPa', units, '.0f')}"
+        text = f"{measured(1e-3 * size, 'kN', units, '.1f')}\n{measured(patch.max_pressure, 'MPa', units, '.0f')}"
         # towards the outside of the other patches
         outer = 1.0 if centre[0] >= centres[:, 0].mean() else -1.0
         ends: Style = {"ha": "left" if outer > 0.0 else "right", "path_effects": [HALO]}
@@ -190,7 +190,7 @@ def pressures_figure(result: SpatialResult, units: Units = "metric") -> Figure:
     for axes, side, shown in zip(both, SIDES, maps, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
         axes.set_title(f"{side} rail".capitalize(), fontsize=9)
-        words = ("← field side", "gauge side →") if side == "left" else ("← gauge side", "field side →")
+        words = ("← field", "gauge →") if side == "left" else ("← gauge", "field →")
         for x, word, end in zip((0.01, 0.99), words, ("left", "right"), strict=True):
             axes.text(x, 0.99, word, transform=axes.transAxes, fontsize=8, va="top", color=GREY, ha=end)
         if not shown.patches:
