@@ -174,7 +174,7 @@ def test_tables_hold_what_was_computed():
     assert pair.table.columns["force_on_secondary_y"] == pytest.approx(pair.forces[:, 1])
     run = result("bodies")
     assert run.table.columns["max_von_mises_MPa"] == [body["max_von_mises_MPa"] for body in run.summary["bodies"]]
-    assert set(run.tables) == {"bodies"}
+    assert set(run.tables) == {"bodies", "supports"}
 
 
 def test_every_result_is_a_dataclass_with_a_short_text():

@@ -227,11 +227,12 @@ class Laws:
         return Guess(trial[: self.m] > 0.0, signs, normal)
 
     def margins(self, guess: Guess, answer: Answer) -> Floats:
-        """What is left until the laws of a guess with friction end, negative beyond: shape (3, m).
+        """What is left until the laws of a guess end, negative beyond: shape (3, m).
 
         Normal forces or gaps; then what a force of either sign has to its limit, or a slip to rest.
         """
-        (normal, tangential), (gaps, slips) = (values.reshape(2, self.m) for values in (answer.forces, answer.slacks))
+        both = (np.resize(values, (2, self.m)) for values in (answer.forces, answer.slacks))
+        (normal, tangential), (gaps, slips) = both  # what stands for tangential ones without friction does not count
         to_limits, to_rest = self.coefficients * normal - SIGNS * tangential, -SIGNS * slips
         of_friction = np.where(guess.signs == 0, to_limits, np.where(guess.signs == SIGNS, to_rest, 1.0))
         rubs = guess.active & (self.coefficients > 0.0)
@@ -330,20 +331,21 @@ class DenseEquations:
     def answer(self, forces: Floats) -> Answer | None:
         """Solve by the semismooth Newton method from forces (k,), or along a path, without motions."""
         answer = solve(self.laws, self, forces)
-        return answer if answer or self.laws.barred or not self.laws.friction else self._along_path()
+        return answer if answer or self.laws.barred else self._along_path()
 
     def _along_path(self) -> Answer | None:
         """Solve by following solutions from where all constraints are open; None if the path does not arrive.
 
         Gaps are larger by ``(1 - t) d``, which opens all of them at t = 0. With one guess forces and gaps are linear in
         t, up to where the law of one constraint ends. It goes over to its next law, and t to where this one holds,
-        which may be backwards: where friction holds a part that its supports hardly hold, Newton's method may go round
-        between guesses (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56).
+        which may be backwards (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56). Newton's method may
+        go round between guesses where friction holds a part that its supports hardly hold, or where nodes have left
+        their partners.
         """
         laws, m = self.laws, self.laws.m
         # all different, so that one closes at a time
         lifts = max_magnitude(self.offset[:m]) * (2.0 + GOLDEN_SECTION * np.arange(m) % 1.0)
-        start = DenseEquations(self.matrix, self.offset + np.append(lifts, np.zeros(m)), laws, self.motions)
+        start = DenseEquations(self.matrix, self.offset + np.pad(lifts, (0, len(self.offset) - m)), laws, self.motions)
         guess = Guess(*np.zeros((3, m), dtype=np.int64))
         time, direction, changed = 0.0, 1.0, None
         for _ in range(MAX_PIECES):
@@ -364,7 +366,10 @@ class DenseEquations:
                 guess.signs[one] = 0 if guess.signs[one] else SIGNS[law - 1, 0]
             else:
                 slips = (1.0 - time) * first.slacks + time * last.slacks
-                guess.active[one], guess.signs[one] = not guess.active[one], np.copysign(1.0, -slips[m + one])
+                guess.active[one], guess.signs[one] = (
+                    not guess.active[one],
+                    np.copysign(1.0, -np.resize(slips, 2 * m)[m + one]),
+                )
         return None
 
     def free_motions(self, answer: Answer) -> tuple[Floats, Floats, bool]:
