@@ -338,8 +338,8 @@ class DenseEquations:
 
         Gaps are larger by ``(1 - t) d``, which opens all of them at t = 0. With one guess forces and gaps are linear in
         t, up to where the law of one constraint ends. It goes over to its next law, and t to where this one holds,
-        which may be backwards (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56). Newton's method may
-        go round between guesses where friction holds a part that its supports hardly hold, or where nodes have left
+        which may be backwards (C. E. Lemke, 1965, Manag. Sci. 11; A. Klarbring, 1986, Ing.-Arch. 56). Newton's method
+        may go round between guesses where friction holds a part that its supports hardly hold, or where nodes have left
         their partners.
         """
         laws, m = self.laws, self.laws.m
