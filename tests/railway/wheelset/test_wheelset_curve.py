@@ -113,9 +113,9 @@ COARSE = {
 }
 """Lateral and vertical displacement in mm and roll in rad, with size_scale 4."""
 FINE = {
-    "tangent, fem": (0.0, -0.736932530194, 0.0),
-    "curve, fem": (9.59833518515, -0.707225723104, 0.000478277884307),
-    "curve, vem": (9.61278467751, -0.708030252655, 0.00047888103651),
+    "tangent, fem": (0.0, -0.736932528313, 0.0),
+    "curve, fem": (9.59832900538, -0.707225775247, 0.000478277419114),
+    "curve, vem": (9.61278452682, -0.708030266116, 0.000478881018004),
 }
 """The same with size_scale 1."""
 
