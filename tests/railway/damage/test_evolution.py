@@ -257,9 +257,9 @@ def test_all_states_of_the_mixed_line_have_an_equilibrium() -> None:
 
 @pytest.mark.ci
 def test_compliance_of_new_bodies_serves_up_to_a_millimetre() -> None:
-    """Hollows of 1 mm: on the compliance of new and of worn bodies forces, and pressures of all but a small patch, agree.
+    """Hollows of 1 mm: forces, and pressures of large patches, agree on the compliance of new and of worn bodies.
 
-    To 2 %; the small one has 3 % of the load on a few cells, by whose place its pressure differs by 10 %.
+    To 2 %; a small patch has 3 % of the load on a few cells, by whose place its pressure differs by 10 %.
     """
     problem, found, surfaces = Wheelset(), [], []
     for new, share in ((problem.wheels.wheel_of("right"), 0.47), (problem.track.rail_of("right"), 0.5)):
