@@ -166,7 +166,7 @@ def _divided(
                 )
         done.append((origins[~cut], side))
         origins = (origins[cut][:, None] + side // 2 * corners).reshape(-1, len(counts))
-        refuse_large_mesh(f"the cells of an {owner}", BYTES_A_LEAF * len(origins))
+        refuse_large_mesh(f"the cells of the {owner}", BYTES_A_LEAF * len(origins))
     return done, size
 
 

@@ -79,13 +79,11 @@ def _same(first: Any, second: Any) -> bool:
 
 def _row(path: str, first: Any, second: Any) -> tuple[str, ...]:
     """Both values; of numbers the change, and that over the first value."""
-    both = (
-        "–" if value is None else plain_text(value, ".6g") if type(value) is float else value
+    texts = tuple(
+        MISSING if value is None else plain_text(value, ".6g") if type(value) is float else str(value)
         for value in (first, second)
     )
-    texts = tuple(map(str, both))
-    texts = tuple(MISSING if text == "None" else text for text in texts)
     if not (is_number(first) and is_number(second)):
         return path, *texts, "", ""
     change = second - first
-    return path, *texts, f"{change:+.3g}", plain_text(100.0 * change / abs(first), "+.2f") if first else "–"
+    return path, *texts, f"{change:+.3g}", plain_text(100.0 * change / abs(first), "+.2f") if first else MISSING

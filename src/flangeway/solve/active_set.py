@@ -366,10 +366,8 @@ class DenseEquations:
                 guess.signs[one] = 0 if guess.signs[one] else SIGNS[law - 1, 0]
             else:
                 slips = (1.0 - time) * first.slacks + time * last.slacks
-                guess.active[one], guess.signs[one] = (
-                    not guess.active[one],
-                    np.copysign(1.0, -np.resize(slips, 2 * m)[m + one]),
-                )
+                guess.active[one] = not guess.active[one]
+                guess.signs[one] = np.copysign(1.0, -np.resize(slips, 2 * m)[m + one])
         return None
 
     def free_motions(self, answer: Answer) -> tuple[Floats, Floats, bool]:

@@ -185,6 +185,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     )
 
 
+@cache  # of one small file, for each rail and wheel that is made
 def _words(name: str, standard: str = "") -> dict[str, Any]:
     """Title, certainty and source of a profile, or of all those of a standard."""
     words = tomllib.loads(packaged_text(DATA, "words.toml"))

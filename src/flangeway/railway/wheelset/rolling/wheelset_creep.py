@@ -469,5 +469,5 @@ def rates_of(problem: WheelsetProblem, states: Mapping[Side, SideState]) -> tupl
         if rows.any():
             radii.append(float(np.average(state.pose.middle[1] - state.points[:, 1], weights=rows)))
     rate = 1e3 * problem.speed_m_s / float(np.mean(radii))
-    apart = problem.wheelset.wheels == "independent" and len(radii) == len(SIDES)
-    return rate, rate * (radii[0] / radii[1] - 1.0) * apart
+    differ = problem.wheelset.wheels == "independent" and len(radii) == len(SIDES)
+    return rate, rate * (radii[0] / radii[1] - 1.0) * differ
